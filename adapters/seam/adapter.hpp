@@ -1,0 +1,58 @@
+// Adapter: an engine as the harness knows it before anything is built.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "adapters/seam/simulation.hpp"
+
+namespace brickbench {
+
+// Name -> value of the knobs that the user turned; the rest follows the variant.
+using KnobValues = std::map<std::string, double, std::less<>>;
+
+struct Settings {
+  double step_s = 0.001;  // > 0
+  std::string variant;    // empty: the adapter's first variant
+  KnobValues knobs;
+  int threads = 1;        // an engine that cannot have more than one refuses more
+};
+
+struct Knob {
+  std::string name;  // snake_case with SI suffix
+  std::string unit;  // "1" for pure numbers
+  double engine_default = 0.0;
+  std::string meaning;  // one line
+};
+
+// A named set of solver and settings, selected as engine/variant.
+struct Variant {
+  std::string name;
+  std::string meaning;  // one line: solver, and whether tuned or the library's own defaults
+};
+
+struct Adapter {
+  std::string name;
+  std::string version;    // as the library reports it: the receipt that it is linked
+  std::string precision;  // "f64" or "f32"
+  std::vector<Variant> variants;  // the first is what the bare engine name means
+  std::vector<Knob> knobs;
+  // The world is valid and the settings name a variant and knobs of this adapter: build() below
+  // has checked. Achieves the facts of the World or refuses with Fault::unsupported.
+  Expected<std::unique_ptr<Simulation>> (*build)(const World&, const Settings&) = nullptr;
+};
+
+// The value that the user gave the knob, else `otherwise`.
+double knob_or(const Settings& settings, std::string_view name, double otherwise);
+
+// Fault::invalid unless the settings fit the adapter: positive step, known variant, known knobs.
+Expected<void> validate(const Adapter& adapter, const Settings& settings);
+
+// Validates world and settings, fills in the default variant, builds. An exception out of the
+// engine becomes Fault::crashed. The way to get a Simulation.
+Expected<std::unique_ptr<Simulation>> build(const Adapter& adapter, const World& world,
+                                            Settings settings);
+
+}  // namespace brickbench

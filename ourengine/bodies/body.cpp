@@ -1,0 +1,1 @@
+#include "ourengine/bodies/body.hpp"
