@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/seam/scheme.hpp"
 #include "adapters/seam/simulation.hpp"
 
 namespace brickbench {
@@ -42,6 +43,9 @@ struct Adapter {
   // The world is valid and the settings name a variant and knobs of this adapter: build() below
   // has checked. Achieves the facts of the World or refuses with Fault::unsupported.
   Expected<std::unique_ptr<Simulation>> (*build)(const World&, const Settings&) = nullptr;
+  // Optional: the scheme that the engine documents for these settings (variant filled in); nullptr
+  // or nullopt where none is stated, and then no discrete truth is claimed.
+  std::optional<Scheme> (*scheme)(const Settings&) = nullptr;
 };
 
 // The value that the user gave the knob, else `otherwise`.

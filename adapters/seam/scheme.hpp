@@ -1,0 +1,82 @@
+// Scheme: how an engine says it advances one step, as data. An adapter publishes what its engine's
+// documentation and source state; experiments/exact/ derives from it what the engine must yield to
+// the last digits. Nothing in here is measured.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace brickbench {
+
+// How the position follows the velocity over one step h under an acceleration a held constant.
+enum class PositionRule {
+  old_velocity,   // explicit Euler: x += h v, v += h a
+  new_velocity,   // semi-implicit (symplectic) Euler: v += h a, x += h v
+  mean_velocity,  // exact for constant a: x += h v + h^2/2 a
+  runge_kutta_4,  // classical: four stages of velocity and acceleration, also in contact
+};
+
+// How the gyroscopic torque -w x I w enters the angular velocity.
+enum class GyroscopicRule {
+  neglected,
+  explicit_body,    // I w+ = I w - h w x I w
+  newton_body,      // one Newton step on I (w+ - w) + h w+ x I w+ = 0 in the body frame
+  frozen_momentum,  // I w+ = I w - h w+ x I w, with I of the step's start
+  runge_kutta_4,    // classical Runge-Kutta on Euler's equations in the body frame
+};
+
+// How the orientation follows the angular velocity.
+enum class AttitudeRule {
+  exponential,       // q+ = exp(h w+) q
+  normalised_euler,  // q+ = q + h/2 (0, w+) q, scaled to length 1
+};
+
+// Contact as an impulse on the velocity: for a normal gap g_n and normal velocity v (positive when
+// separating), the impulse, never negative, makes the velocity after the step at least the target.
+struct ImpulseContact {
+  double margin_m = 0.0;          // a contact exists where gap <= margin at the start of the step
+  bool approach_allowed = false;  // an open gap lowers the target by gap / h
+  double restitution_threshold_mps = 0.0;  // no restitution for slower approach
+  bool sum_of_targets = false;   // restitution and correction are added; else the larger counts
+  double error_reduction = 0.0;  // correction velocity: this fraction of the depth per step
+  double max_correction_mps = std::numeric_limits<double>::infinity();
+  // Where gap <= this, the correction moves the position alone (split impulse).
+  double split_at_gap_m = -std::numeric_limits<double>::infinity();
+  double softness_per_kgs =
+      0.0;  // "constraint force mixing": adds softness / h to 1/mass per point
+};
+
+// Contact as a regularised constraint on the acceleration (Todorov 2014): along the normal,
+// a = (1 - d) a_free + d (-b v - k d r), where d(r) is the impedance and r the gap.
+struct CompliantContact {
+  double time_constant_s = 0.02;
+  double damping_ratio = 1.0;
+  bool time_constant_at_least_two_steps = true;
+  double impedance_start = 0.9;
+  double impedance_end = 0.95;
+  double impedance_width_m = 0.001;
+  double impedance_midpoint = 0.5;
+  double impedance_power = 2.0;
+};
+
+// The set of friction forces that a contact of normal force N admits.
+enum class FrictionSet {
+  circle,     // |f| <= mu N, opposite to the slip
+  square,     // |f_1| <= mu N and |f_2| <= mu N along two fixed tangents
+  inscribed,  // |f_1| + |f_2| <= mu N along two fixed tangents
+};
+
+struct Scheme {
+  std::string source;  // author, title, function or equation: where this is documented
+  PositionRule position = PositionRule::new_velocity;
+  GyroscopicRule gyroscopic = GyroscopicRule::neglected;
+  AttitudeRule attitude = AttitudeRule::exponential;
+  double order = 1.0;  // promised order of convergence of smooth motion
+  // At most one of the two; neither: the engine's contact has no map that is predicted here.
+  std::optional<ImpulseContact> impulse;
+  std::optional<CompliantContact> compliant;
+  FrictionSet friction = FrictionSet::circle;
+};
+
+}  // namespace brickbench
