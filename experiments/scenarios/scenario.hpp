@@ -40,15 +40,15 @@ struct Blow {
 struct Scene {
   World world;
   std::vector<Blow> blows;
-  std::vector<std::size_t> bricks;                // whose displacement is counted
-  std::vector<std::size_t> projectiles;           // none, one or more
-  double length_scale_m = 0.1;                    // the smallest edge of a brick: gaps and
-                                                  // displacements are judged against it
+  std::vector<std::size_t> bricks;       // whose displacement is counted
+  std::vector<std::size_t> projectiles;  // none, one or more
+  double length_scale_m = 0.1;           // the smallest edge of a brick: gaps and
+                                         // displacements are judged against it
 };
 
 struct Scenario {
   std::string name;
-  std::string meaning;  // one or two sentences: what is in it and why one looks at it
+  std::string meaning;      // one or two sentences: what is in it and why one looks at it
   double duration_s = 1.0;  // what a plan gets if it does not say
   std::vector<Parameter> parameters;
   // `values` holds a value in range for every parameter: build() below has checked. Refuses
