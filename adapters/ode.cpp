@@ -1,0 +1,475 @@
+// ODE in double precision: collide, then dWorldQuickStep or dWorldStep, then the contact joints go.
+//
+// Choices (measured effects: docs/engines/ode.md):
+//  * Every variant: each contact joint gets World's law of its pair (dContactApprox1: friction is a
+//    coefficient, not a force limit; dContactBounce without a velocity threshold), up to 8 points
+//    per pair; sleeping and damping off; inertia as in World.
+//  * quick, dantzig: QuickStep with 50 iterations, or the Lemke-Dantzig solver of dWorldStep
+//  (exact,
+//    for some 15 bodies at most); correcting velocity at most 0.1 m/s (unlimited, a penetration
+//    bounces); the first axis of ODE's friction pyramid along the slip that the step would bring.
+//  * default: what ODE does when nobody asks: QuickStep, 20 iterations, pyramid in fixed world
+//  axes,
+//    no limit of the correcting velocity.
+//  * QuickStep shuffles its rows with a random generator that the whole process shares: each
+//    simulation keeps its own seed, starting from 0, and lends it to ODE during its steps.
+//  * ODE's errors and assertions (they would end the process) become failures; its messages, such
+//    as "LCP internal error", are counted in the diagnostics and never printed.
+//  * Refused: several threads.
+#include <fmt/core.h>
+#include <ode/ode.h>
+
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+
+#include "adapters/seam/knob_table.hpp"
+
+namespace brickbench {
+namespace {
+
+static_assert(sizeof(dReal) == 8, "the adapter wants ODE in double precision");
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+// Below this slip (m/s) a contact keeps the friction axes that ODE would choose.
+constexpr double k_no_slip_mps = 1e-9;
+
+constexpr std::array k_knobs = {
+    KnobRow{"iterations", "1", 20, 50, 1, 1e6, true, "sweeps of QuickStep"},
+    KnobRow{"over_relaxation", "1", 1.3, 1.3, 0.1, 1.9, false, "over-relaxation of QuickStep"},
+    KnobRow{"erp", "1", 0.2, 0.2, 0, 1, false, "share of a penetration removed per step"},
+    KnobRow{"cfm", "1", 1e-10, 1e-10, 0, 1e6, false, "constraint force mixing of all rows"},
+    KnobRow{"max_correcting_velocity_mps", "m/s", k_infinity, 0.1, 0, k_infinity, false,
+            "limit of the velocity that removes penetrations"},
+    KnobRow{"contact_surface_layer_m", "m", 0, 0, 0, 1, false, "penetration that is left alone"},
+    KnobRow{"max_contacts", "1", 8, 8, 1, 64, true,
+            "contact points per pair (ODE leaves the number to its user)"},
+    KnobRow{"restitution_threshold_mps", "m/s", 0, 0, 0, 1e6, false,
+            "approach speed below which nothing bounces (ODE leaves it to its user)"},
+    KnobRow{"slip_aligned_friction", "1", 0, 1, 0, 1, true,
+            "1: the friction pyramid's first axis follows the slip; 0: fixed axes"},
+    KnobRow{"gyroscopic", "1", 1, 1, 0, 1, true, "1: gyroscopic torque of free bodies; 0: none"},
+    KnobRow{"finite_rotation", "1", 0, 0, 0, 1, true,
+            "1: orientations turn by finite rotations; 0: by one Euler step of the quaternion"},
+};
+
+// What ODE said since the session began. Guarded by Session's lock.
+struct Messages {
+  int count = 0;
+  std::string last;
+};
+Messages& messages() {
+  static Messages heard;
+  return heard;
+}
+
+std::string to_text(const char* format, va_list arguments) {
+  std::array<char, 256> text{};
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  return text.data();
+}
+void on_message(int, const char* format, va_list arguments) {
+  ++messages().count;
+  messages().last = to_text(format, arguments);
+}
+[[noreturn]] void on_error(int number, const char* format, va_list arguments) {
+  throw std::runtime_error(fmt::format("ODE error {}: {}", number, to_text(format, arguments)));
+}
+
+// One simulation's turn with what ODE keeps per process: the random seed and the message handlers.
+// The library is opened at the first turn and never closed: other worlds may be alive.
+class Session {
+ public:
+  explicit Session(unsigned long& seed) : lock_(mutex()), seed_(seed), foreign_(dRandGetSeed()) {
+    static const bool opened = dInitODE2(0) != 0;
+    if (!opened || dAllocateODEDataForThread(dAllocateMaskAll) == 0) {
+      throw std::runtime_error("ODE could not be initialised");
+    }
+    dSetErrorHandler(&on_error);
+    dSetDebugHandler(&on_error);
+    dSetMessageHandler(&on_message);
+    messages() = {};
+    dRandSetSeed(seed_);
+  }
+  ~Session() {
+    seed_ = dRandGetSeed();
+    dRandSetSeed(foreign_);
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+  unsigned long& seed_;
+  unsigned long foreign_;
+};
+
+Eigen::Vector3d to_eigen(const dReal* v) { return {v[0], v[1], v[2]}; }
+std::size_t index_of(dGeomID geom) { return reinterpret_cast<std::size_t>(dGeomGetData(geom)); }
+
+void set_position(dGeomID geom, const State& s) {
+  const Eigen::Quaterniond& q = s.orientation;
+  const dQuaternion turn = {q.w(), q.x(), q.y(), q.z()};
+  dGeomSetPosition(geom, s.position_m.x(), s.position_m.y(), s.position_m.z());
+  dGeomSetQuaternion(geom, turn);
+}
+
+dGeomID make_geom(dSpaceID space, const Body& fact) {
+  if (const auto* box = std::get_if<BoxShape>(&fact.shape)) {
+    const Eigen::Vector3d sides_m = 2.0 * box->half_extents_m;
+    return dCreateBox(space, sides_m.x(), sides_m.y(), sides_m.z());
+  }
+  if (const auto* sphere = std::get_if<SphereShape>(&fact.shape)) {
+    return dCreateSphere(space, sphere->radius_m);
+  }
+  const Eigen::Vector3d normal = fact.initial.orientation * Eigen::Vector3d::UnitZ();
+  return dCreatePlane(space, normal.x(), normal.y(), normal.z(),
+                      normal.dot(fact.initial.position_m));
+}
+
+Shape read_shape(dGeomID geom) {
+  switch (dGeomGetClass(geom)) {
+    case dBoxClass: {
+      dVector3 sides_m;
+      dGeomBoxGetLengths(geom, sides_m);
+      return BoxShape{0.5 * to_eigen(sides_m)};
+    }
+    case dSphereClass:
+      return SphereShape{dGeomSphereGetRadius(geom)};
+    default:
+      return PlaneShape{};
+  }
+}
+
+// A contact joint of the last step. ODE writes the forces of the step into `feedback`.
+struct Touch {
+  dContactGeom geom{};
+  dJointFeedback feedback{};
+};
+
+// The objects of one ODE world; destroyed in the reverse order of making.
+struct Scene {
+  dWorldID world = dWorldCreate();
+  dSpaceID space = dHashSpaceCreate(nullptr);
+  dJointGroupID joints = dJointGroupCreate(0);
+  std::vector<dBodyID> bodies;  // order of World::bodies; nullptr for fixed bodies
+  std::vector<dGeomID> geoms;   // order of World::bodies
+  std::deque<Touch> touches;    // stable addresses
+
+  Scene(const World& facts, const Settings& settings);
+  ~Scene() {
+    dJointGroupDestroy(joints);
+    dSpaceDestroy(space);
+    dWorldDestroy(world);
+  }
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+ private:
+  dBodyID make_body(const Body& fact, dGeomID geom, const Settings& settings);
+};
+
+dBodyID Scene::make_body(const Body& fact, dGeomID geom, const Settings& settings) {
+  const dBodyID body = dBodyCreate(world);
+  dMass mass;
+  const Eigen::Vector3d& inertia = fact.inertia_kgm2;
+  dMassSetParameters(&mass, fact.mass_kg, 0, 0, 0, inertia.x(), inertia.y(), inertia.z(), 0, 0, 0);
+  dBodySetMass(body, &mass);
+  dGeomSetBody(geom, body);
+  set_position(geom, fact.initial);  // of a geom with a body: moves the body
+  const Eigen::Vector3d& v = fact.initial.velocity_mps;
+  const Eigen::Vector3d& w = fact.initial.angular_velocity_radps;
+  dBodySetLinearVel(body, v.x(), v.y(), v.z());
+  dBodySetAngularVel(body, w.x(), w.y(), w.z());
+  dBodySetGyroscopicMode(body, static_cast<int>(knob_value(k_knobs, settings, "gyroscopic")));
+  dBodySetFiniteRotationMode(body,
+                             static_cast<int>(knob_value(k_knobs, settings, "finite_rotation")));
+  return body;
+}
+
+Scene::Scene(const World& facts, const Settings& settings) {
+  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
+  dWorldSetGravity(world, facts.gravity_mps2.x(), facts.gravity_mps2.y(), facts.gravity_mps2.z());
+  dWorldSetERP(world, value("erp"));
+  dWorldSetCFM(world, value("cfm"));
+  dWorldSetQuickStepNumIterations(world, static_cast<int>(value("iterations")));
+  dWorldSetQuickStepW(world, value("over_relaxation"));
+  dWorldSetContactMaxCorrectingVel(world, value("max_correcting_velocity_mps"));
+  dWorldSetContactSurfaceLayer(world, value("contact_surface_layer_m"));
+  dWorldSetAutoDisableFlag(world, 0);
+  dWorldSetDamping(world, 0, 0);
+  for (std::size_t i = 0; i < facts.bodies.size(); ++i) {
+    const Body& fact = facts.bodies[i];
+    const dGeomID geom = make_geom(space, fact);
+    dGeomSetData(geom, reinterpret_cast<void*>(i));
+    geoms.push_back(geom);
+    bodies.push_back(fact.fixed ? nullptr : make_body(fact, geom, settings));
+    if (fact.fixed && dGeomGetClass(geom) != dPlaneClass) set_position(geom, fact.initial);
+  }
+}
+
+class OdeSimulation final : public Simulation, ContactView, StateView, AuditView, DiagnosticView {
+ public:
+  OdeSimulation(const World& facts, Settings settings)
+      : facts_(facts),
+        settings_(std::move(settings)),
+        slip_aligned_(knob_value(k_knobs, settings_, "slip_aligned_friction") > 0),
+        restitution_threshold_mps_(knob_value(k_knobs, settings_, "restitution_threshold_mps")),
+        points_(static_cast<std::size_t>(knob_value(k_knobs, settings_, "max_contacts"))) {
+    const Session session(seed_);
+    scene_ = std::make_unique<Scene>(facts_, settings_);
+  }
+  ~OdeSimulation() override {
+    const Session session(seed_);
+    scene_.reset();
+  }
+
+  void apply(std::span<const Wrench> wrenches) override {
+    for (std::size_t i = 0; i < wrenches.size(); ++i) {
+      const dBodyID body = scene_->bodies[i];
+      if (body == nullptr) continue;
+      const Eigen::Vector3d& force = wrenches[i].force_n;
+      const Eigen::Vector3d& torque = wrenches[i].torque_nm;
+      dBodySetForce(body, force.x(), force.y(), force.z());
+      dBodySetTorque(body, torque.x(), torque.y(), torque.z());
+    }
+  }
+
+  Expected<void> step() override;
+
+  void read(std::span<State> states) const override {
+    for (std::size_t i = 0; i < states.size(); ++i) states[i] = state_of(i);
+  }
+
+  const ContactView* contact_view() const override { return this; }
+  StateView* state_view() override { return this; }
+  const AuditView* audit_view() const override { return this; }
+  const DiagnosticView* diagnostic_view() const override { return this; }
+
+  void contacts(std::vector<Contact>& contacts) const override;
+  Expected<void> set_state(std::span<const State> states) override;
+  Audit audit() const override;
+  ContactLaw pair_law(std::size_t a, std::size_t b) const override;
+  std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+
+ private:
+  State state_of(std::size_t i) const;
+  void collide(dGeomID a, dGeomID b);
+  dSurfaceParameters surface(std::size_t a, std::size_t b) const;
+  Eigen::Vector3d free_velocity_mps(dBodyID body, const dReal* point_m) const;
+  void align_friction(dContact& point) const;
+
+  World facts_;
+  Settings settings_;
+  bool slip_aligned_;
+  double restitution_threshold_mps_;
+  std::vector<dContact> points_;  // (max_contacts), scratch of collide()
+  unsigned long seed_ = 0;
+  double lcp_messages_ = 0.0;  // since the start
+  std::unique_ptr<Scene> scene_;
+  std::vector<Diagnostic> diagnostics_;
+};
+
+State OdeSimulation::state_of(std::size_t i) const {
+  const dBodyID body = scene_->bodies[i];
+  if (body == nullptr) return facts_.bodies[i].initial;
+  const dReal* q = dBodyGetQuaternion(body);
+  return {.position_m = to_eigen(dBodyGetPosition(body)),
+          .orientation = {q[0], q[1], q[2], q[3]},
+          .velocity_mps = to_eigen(dBodyGetLinearVel(body)),
+          .angular_velocity_radps = to_eigen(dBodyGetAngularVel(body))};
+}
+
+dSurfaceParameters OdeSimulation::surface(std::size_t a, std::size_t b) const {
+  const ContactLaw law = contact_law(facts_, a, b);
+  dSurfaceParameters surface{};
+  surface.mode = dContactApprox1;
+  surface.mu = law.friction;
+  if (law.restitution > 0.0) {
+    surface.mode |= dContactBounce;
+    surface.bounce = law.restitution;
+    surface.bounce_vel = restitution_threshold_mps_;
+  }
+  return surface;
+}
+
+// Velocity that a point of the body would have after the step if nothing touched it (turning
+// aside).
+Eigen::Vector3d OdeSimulation::free_velocity_mps(dBodyID body, const dReal* point_m) const {
+  if (body == nullptr) return Eigen::Vector3d::Zero();
+  dVector3 now_mps;
+  dBodyGetPointVel(body, point_m[0], point_m[1], point_m[2], now_mps);
+  dMass mass;
+  dBodyGetMass(body, &mass);
+  return to_eigen(now_mps) +
+         settings_.step_s * (facts_.gravity_mps2 + to_eigen(dBodyGetForce(body)) / mass.mass);
+}
+
+void OdeSimulation::align_friction(dContact& point) const {
+  const Eigen::Vector3d normal = to_eigen(point.geom.normal);
+  const Eigen::Vector3d relative = free_velocity_mps(dGeomGetBody(point.geom.g1), point.geom.pos) -
+                                   free_velocity_mps(dGeomGetBody(point.geom.g2), point.geom.pos);
+  const Eigen::Vector3d slip = relative - normal.dot(relative) * normal;
+  if (slip.norm() < k_no_slip_mps) return;
+  point.surface.mode |= dContactFDir1;
+  Eigen::Map<Eigen::Vector3d>(point.fdir1) = slip.normalized();
+}
+
+// Makes the contact joints between two geoms, the moving body first, so that ODE swaps none.
+void OdeSimulation::collide(dGeomID a, dGeomID b) {
+  if (dGeomGetBody(a) == nullptr) std::swap(a, b);
+  if (dGeomGetBody(a) == nullptr) return;
+  const int found = dCollide(a, b, static_cast<int>(points_.size()), &points_[0].geom,
+                             static_cast<int>(sizeof(dContact)));
+  for (int k = 0; k < found; ++k) {
+    dContact& point = points_[static_cast<std::size_t>(k)];
+    point.surface = surface(index_of(a), index_of(b));
+    if (slip_aligned_) align_friction(point);
+    const dJointID joint = dJointCreateContact(scene_->world, scene_->joints, &point);
+    dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
+    scene_->touches.push_back({.geom = point.geom});
+    dJointSetFeedback(joint, &scene_->touches.back().feedback);
+  }
+}
+
+Expected<void> OdeSimulation::step() {
+  const Session session(seed_);
+  scene_->touches.clear();
+  try {
+    dSpaceCollide(scene_->space, this, [](void* self, dGeomID a, dGeomID b) {
+      static_cast<OdeSimulation*>(self)->collide(a, b);
+    });
+    const int done = settings_.variant == "dantzig"
+                         ? dWorldStep(scene_->world, settings_.step_s)
+                         : dWorldQuickStep(scene_->world, settings_.step_s);
+    if (done == 0) return fail(Fault::out_of_memory, "ODE could not get the memory for its step");
+  } catch (const std::runtime_error& error) {
+    return fail(Fault::crashed, error.what());
+  }
+  dJointGroupEmpty(scene_->joints);
+  lcp_messages_ += messages().count;
+  diagnostics_ = {{"solver_messages", "1", static_cast<double>(messages().count)},
+                  {"solver_messages_total", "1", lcp_messages_}};
+  for (std::size_t i = 0; i < facts_.bodies.size(); ++i) {
+    if (!is_finite(state_of(i))) {
+      return fail(Fault::diverged,
+                  fmt::format("state of body '{}' is not finite{}{}", facts_.bodies[i].name,
+                              messages().count > 0 ? "; ODE said: " : "", messages().last));
+    }
+  }
+  return {};
+}
+
+void OdeSimulation::contacts(std::vector<Contact>& contacts) const {
+  contacts.clear();
+  for (const Touch& touch : scene_->touches) {
+    // ODE's normal points into g1; f1 is the force on g1's body.
+    contacts.push_back({.body_a = index_of(touch.geom.g1),
+                        .body_b = index_of(touch.geom.g2),
+                        .position_m = to_eigen(touch.geom.pos),
+                        .normal = -to_eigen(touch.geom.normal),
+                        .gap_m = -touch.geom.depth,
+                        .impulse_ns = -settings_.step_s * to_eigen(touch.feedback.f1)});
+  }
+}
+
+// Builds the world anew and restarts the random seed.
+Expected<void> OdeSimulation::set_state(std::span<const State> states) {
+  World next = facts_;
+  for (std::size_t i = 0; i < next.bodies.size(); ++i) {
+    if (!next.bodies[i].fixed) next.bodies[i].initial = states[i];
+  }
+  if (auto valid = validate(next); !valid) return valid;
+  facts_ = std::move(next);
+  seed_ = 0;
+  lcp_messages_ = 0.0;
+  diagnostics_.clear();
+  const Session session(seed_);
+  scene_ = std::make_unique<Scene>(facts_, settings_);
+  return {};
+}
+
+BodyAudit audit_body(dBodyID body, dGeomID geom, double step_s) {
+  if (body == nullptr) return {.fixed = true, .shape = read_shape(geom)};
+  dMass mass;
+  dBodyGetMass(body, &mass);
+  // ODE's damping is the share of the velocity that is lost per step.
+  return {.fixed = false,
+          .mass_kg = mass.mass,
+          .inertia_kgm2 = {mass.I[0], mass.I[5], mass.I[10]},
+          .shape = read_shape(geom),
+          .linear_damping_hz = dBodyGetLinearDamping(body) / step_s,
+          .angular_damping_hz = dBodyGetAngularDamping(body) / step_s,
+          .can_sleep = dBodyGetAutoDisableFlag(body) != 0};
+}
+
+Audit OdeSimulation::audit() const {
+  Audit audit;
+  dVector3 gravity_mps2;
+  dWorldGetGravity(scene_->world, gravity_mps2);
+  audit.gravity_mps2 = to_eigen(gravity_mps2);
+  for (std::size_t i = 0; i < scene_->geoms.size(); ++i) {
+    audit.bodies.push_back(audit_body(scene_->bodies[i], scene_->geoms[i], settings_.step_s));
+  }
+  const dWorldID world = scene_->world;
+  const auto fact = [&](const char* name, const char* unit, auto value) {
+    audit.settings.push_back({name, unit, fmt::format("{}", value)});
+  };
+  fact("solver", "", settings_.variant == "dantzig" ? "dWorldStep" : "dWorldQuickStep");
+  fact("iterations", "1", dWorldGetQuickStepNumIterations(world));
+  fact("over_relaxation", "1", dWorldGetQuickStepW(world));
+  fact("erp", "1", dWorldGetERP(world));
+  fact("cfm", "1", dWorldGetCFM(world));
+  fact("max_correcting_velocity_mps", "m/s", dWorldGetContactMaxCorrectingVel(world));
+  fact("contact_surface_layer_m", "m", dWorldGetContactSurfaceLayer(world));
+  fact("max_angular_speed_radps", "rad/s", dWorldGetMaxAngularSpeed(world));
+  fact("max_contacts", "1", points_.size());
+  fact("slip_aligned_friction", "1", slip_aligned_ ? 1 : 0);
+  fact("restitution_threshold_mps", "m/s", restitution_threshold_mps_);
+  fact("configuration", "", dGetConfiguration());
+  return audit;
+}
+
+// ODE keeps no law per body: this is what collide() writes into each contact joint of the pair.
+ContactLaw OdeSimulation::pair_law(std::size_t a, std::size_t b) const {
+  const dSurfaceParameters joint = surface(a, b);
+  return {.friction = joint.mu, .restitution = joint.bounce};
+}
+
+Expected<std::unique_ptr<Simulation>> build_ode(const World& world, const Settings& settings) {
+  if (auto ranges = check_ranges(k_knobs, settings); !ranges) {
+    return tl::make_unexpected(ranges.error());
+  }
+  if (dCheckConfiguration("ODE_double_precision") == 0) {
+    return fail(Fault::unsupported, "the ODE library at run time is not in double precision");
+  }
+  if (settings.threads > 1) {
+    return fail(Fault::unsupported, "ODE's results depend on its threads; threads must be 1");
+  }
+  return std::make_unique<OdeSimulation>(world, settings);
+}
+
+}  // namespace
+
+Adapter ode_adapter() {
+  return {.name = "ode",
+          .version = BRICKBENCH_ODE_VERSION,
+          .precision = dCheckConfiguration("ODE_double_precision") != 0 ? "f64" : "f32",
+          .variants = {{"quick", "QuickStep, 50 iterations, tuned"},
+                       {"dantzig", "dWorldStep (Lemke-Dantzig), tuned; for some 15 bodies at most"},
+                       {"default", "the library's own settings: QuickStep, 20 iterations"}},
+          .knobs = to_knobs(k_knobs),
+          .build = &build_ode};
+}
+
+}  // namespace brickbench

@@ -1,0 +1,60 @@
+// KnobTable: the knobs of an adapter as one table, with the library's own value and the tuned one.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "adapters/seam/adapter.hpp"
+
+namespace brickbench {
+
+// The variant in which every knob that the user did not turn stays as the library has it.
+inline constexpr std::string_view k_library_variant = "default";
+
+struct KnobRow {
+  const char* name;  // snake_case with SI suffix
+  const char* unit;
+  double library;  // what the library does when nobody asks
+  double tuned;    // what all variants but k_library_variant use
+  double min;      // allowed range, both ends included
+  double max;
+  bool whole;  // only whole numbers
+  const char* meaning;
+};
+
+inline std::vector<Knob> to_knobs(std::span<const KnobRow> rows) {
+  std::vector<Knob> knobs;
+  for (const KnobRow& row : rows) knobs.push_back({row.name, row.unit, row.library, row.meaning});
+  return knobs;
+}
+
+// Fault::invalid where the user turned a knob out of its range. The names have been checked
+// already.
+inline Expected<void> check_ranges(std::span<const KnobRow> rows, const Settings& settings) {
+  for (const KnobRow& row : rows) {
+    const double value = knob_or(settings, row.name, row.library);
+    if (value < row.min || value > row.max || (row.whole && value != std::floor(value))) {
+      return fail(Fault::invalid,
+                  fmt::format("knob {} = {} {}: allowed are {}numbers from {} to {}", row.name,
+                              value, row.unit, row.whole ? "whole " : "", row.min, row.max));
+    }
+  }
+  return {};
+}
+
+// The user's value, else that of the variant.
+inline double knob_value(std::span<const KnobRow> rows, const Settings& settings,
+                         std::string_view name) {
+  const auto row = std::ranges::find_if(
+      rows, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
+  assert(row != rows.end());
+  return knob_or(settings, name, settings.variant == k_library_variant ? row->library : row->tuned);
+}
+
+}  // namespace brickbench
