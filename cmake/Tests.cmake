@@ -1,12 +1,22 @@
 # brickbench_test(NAME SOURCES ... LINK ...): a GoogleTest binary whose tests CTest lists one by one
 # as NAME.Suite.Case. Tests run in the source directory, so relative paths of data are the clone's.
+# Without LABELS the label is the first word of NAME, up to `_`: unit_seam has the label unit. The
+# target unit_tests builds all tests of that label.
 brickbench_require(GTest libgtest-dev)
 include(GoogleTest)
+
+add_custom_target(unit_tests)
 
 function(brickbench_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
+  endif()
+  if(NOT ARG_LABELS)
+    string(REGEX REPLACE "_.*" "" ARG_LABELS ${name})
+  endif()
+  if("unit" IN_LIST ARG_LABELS)
+    add_dependencies(unit_tests ${name})
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE brickbench_options brickbench_test_support

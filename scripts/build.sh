@@ -1,0 +1,21 @@
+# build.sh: sourced by quickstart.sh and test.sh in the project's root.
+# shellcheck shell=bash
+
+jobs=$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
+if command -v ccache >/dev/null 2>&1; then
+  export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+fi
+
+step() { printf '== %s (%d s)\n' "$*" "$SECONDS"; }
+
+# configure PRESET [CMAKE-ARGUMENT...]
+configure() {
+  step "configure $1"
+  cmake --preset "$@"
+}
+
+# build PRESET [TARGET]
+build() {
+  step "build $1${2:+: $2}"
+  cmake --build --preset "$1" -j "$jobs" ${2:+--target "$2"}
+}

@@ -1,0 +1,162 @@
+#!/usr/bin/env bash
+# install-deps.sh [--list] [GROUP...]: installs the Debian packages that brickbench needs.
+#
+#   GROUP   build     what compiles and links the program
+#           engines   the third-party engines; each that is missing is left out of the build
+#           tests     what the tests need on top
+#           Without a group: all three.
+#   --list  print the table and change nothing
+#
+# Installs only what is missing, says what and why first, asks for sudo only if not root, and never
+# asks anything else. Where there is no apt it installs nothing: it uses what exists and names what
+# is missing. Exit status: 0 fine, 2 bad usage, 4 something needed could not be had.
+set -euo pipefail
+export PATH="$PATH:/usr/local/sbin:/usr/sbin:/sbin"
+
+# group | package | why | how to see it on a system without dpkg: command, or header (any of)
+table() {
+  cat <<'END'
+build|g++|the C++20 compiler|c++,g++,clang++
+build|cmake|configures the build (3.25 or newer)|cmake
+build|ninja-build|runs the build|ninja
+build|pkg-config|finds Bullet and ODE|pkg-config
+build|git|writes the source revision into every result|git
+build|libeigen3-dev|Eigen: vectors and matrices|eigen3/Eigen/Core,Eigen/Core
+build|libfmt-dev|{fmt}: text output|fmt/core.h
+build|libexpected-dev|tl::expected: failures as values|tl/expected.hpp
+build|libtomlplusplus-dev|toml++: reads plans|toml++/toml.h
+build|libcli11-dev|CLI11: the command line|CLI/CLI.hpp
+build|nlohmann-json3-dev|nlohmann-json: --json|nlohmann/json.hpp
+build|libfccp-dev|fast-cpp-csv-parser: reads rows|libfccp/csv.h,csv.h
+build|libxxhash-dev|xxHash: hashes of states|xxhash.h
+build|libhwy-dev|Highway: SIMD kernels of our engine|hwy/highway.h
+build|libmetis-dev|METIS: orders our engine's sparse systems|metis.h
+engines|libbullet-dev|Bullet, in double precision|bullet/btBulletDynamicsCommon.h
+engines|libode-dev|Open Dynamics Engine|ode/ode.h
+engines|libmujoco-dev|MuJoCo|mujoco/mujoco.h
+engines|libqhull-dev|a folder that MuJoCo's CMake package insists on|libqhull_r/libqhull_r.h
+engines|libopengl-dev|OpenGL, looked for by MuJoCo's CMake package|GL/gl.h
+engines|libgl-dev|OpenGL, looked for by MuJoCo's CMake package|GL/gl.h
+tests|libgtest-dev|GoogleTest|gtest/gtest.h
+tests|libfcl-dev|FCL: a second opinion on penetration depths|fcl/fcl.h
+tests|clang-format|the format test|clang-format
+END
+}
+
+say() { printf 'install-deps: %s\n' "$*"; }
+
+groups=()
+list_only=false
+for argument in "$@"; do
+  case $argument in
+    --list) list_only=true ;;
+    build | engines | tests) groups+=("$argument") ;;
+    -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
+    *) say "unknown argument '$argument'; groups are build, engines, tests" >&2; exit 2 ;;
+  esac
+done
+if [ ${#groups[@]} -eq 0 ]; then groups=(build engines tests); fi
+
+# The rows of the chosen groups.
+rows=()
+while IFS= read -r row; do
+  for group in "${groups[@]}"; do
+    if [ "${row%%|*}" = "$group" ]; then rows+=("$row"); fi
+  done
+done < <(table)
+
+if $list_only; then
+  for row in "${rows[@]}"; do
+    IFS='|' read -r group package why _ <<<"$row"
+    printf '%-8s %-22s %s\n' "$group" "$package" "$why"
+  done
+  exit 0
+fi
+
+# ---------------------------------------------------------------- systems without apt
+
+# Whether a command or a header of the comma-separated list exists.
+seen() {
+  local item dir
+  for item in ${1//,/ }; do
+    case $item in
+      */* | *.h)
+        for dir in /usr/include /usr/local/include /opt/homebrew/include /opt/local/include \
+                   $(tr : " " <<<"${CPATH:-}"); do
+          if [ -e "$dir/$item" ]; then return 0; fi
+        done ;;
+      *) if command -v "$item" >/dev/null 2>&1; then return 0; fi ;;
+    esac
+  done
+  return 1
+}
+
+if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then
+  say "this system has no apt: using what exists"
+  lacking=0
+  for row in "${rows[@]}"; do
+    IFS='|' read -r group package why probe <<<"$row"
+    if seen "$probe"; then continue; fi
+    say "missing: $why (in Debian the package $package)"
+    if [ "$group" = build ] || [ "$package" = libgtest-dev ]; then lacking=1; fi
+  done
+  if [ $lacking -ne 0 ]; then say "install the above by hand" >&2; exit 4; fi
+  exit 0
+fi
+
+# ---------------------------------------------------------------- Debian and its kin
+
+packages=()
+for row in "${rows[@]}"; do
+  IFS='|' read -r _ package _ _ <<<"$row"
+  packages+=("$package")
+done
+installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null |
+            sed -n 's/ installed$//p' || true)
+missing=()
+for row in "${rows[@]}"; do
+  IFS='|' read -r _ package _ _ <<<"$row"
+  if ! grep -qxF "$package" <<<"$installed"; then missing+=("$row"); fi
+done
+if [ ${#missing[@]} -eq 0 ]; then
+  say "all ${#packages[@]} packages are installed"
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null 2>&1; then
+    say "not root and no sudo: run scripts/install-deps.sh as root first" >&2
+    exit 4
+  fi
+  as_root=(sudo)
+  if [ ! -t 0 ]; then as_root=(sudo -n); fi
+fi
+apt() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 \
+    -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3 "$@" </dev/null
+}
+
+say "refreshing the package lists${as_root[*]:+ (with sudo)}"
+if ! apt update; then say "apt-get update failed; trying with the lists that are there" >&2; fi
+
+wanted=()
+unavailable=0
+for row in "${missing[@]}"; do
+  IFS='|' read -r group package why _ <<<"$row"
+  if LC_ALL=C apt-cache policy "$package" | grep -q 'Candidate: [^(]'; then
+    if [ ${#wanted[@]} -eq 0 ]; then say "installing, without recommended extras:"; fi
+    printf '  %-22s %s\n' "$package" "$why"
+    wanted+=("$package")
+  else
+    say "not offered by this system: $package ($why)"
+    if [ "$group" = build ] || [ "$package" = libgtest-dev ]; then unavailable=1; fi
+  fi
+done
+if [ $unavailable -ne 0 ]; then say "cannot go on without the packages above" >&2; exit 4; fi
+if [ ${#wanted[@]} -eq 0 ]; then exit 0; fi
+if ! apt install -y --no-install-recommends "${wanted[@]}" >/dev/null; then
+  say "apt-get install failed" >&2
+  exit 4
+fi
+say "installed ${#wanted[@]} packages"

@@ -1,0 +1,191 @@
+#include "tests/architecture/rules.hpp"
+
+#include <algorithm>
+#include <map>
+#include <regex>
+
+namespace brickbench::architecture {
+namespace {
+
+constexpr std::ptrdiff_t k_longest_file = 450;
+constexpr std::ptrdiff_t k_longest_adapter = 150;
+
+// Longest prefix decides. Rooms that may see everything are not listed.
+const std::map<std::string, std::vector<std::string>>& arrows() {
+  static const std::map<std::string, std::vector<std::string>> table = {
+      {"ourengine", {"ourengine"}},
+      {"adapters", {"adapters"}},
+      {"adapters/seam", {"adapters/seam"}},
+      {"experiments", {"experiments", "adapters/seam"}},
+      {"reports", {"reports", "experiments/record"}}};
+  return table;
+}
+
+const std::map<std::string, std::string>& engine_headers() {
+  static const std::map<std::string, std::string> table = {
+      {"btBullet", "bullet"},         {"bullet/", "bullet"},         {"LinearMath/", "bullet"},
+      {"BulletCollision/", "bullet"}, {"BulletDynamics/", "bullet"}, {"ode/", "ode"},
+      {"mujoco/", "mujoco"}};
+  return table;
+}
+
+bool is_cpp(const std::string& path) {
+  const std::string end = extension(path);
+  return end == ".cpp" || end == ".hpp";
+}
+
+std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
+  const std::regex expression(pattern);
+  std::vector<std::string> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), expression), end; it != end; ++it) {
+    found.push_back((*it)[1].str());
+  }
+  return found;
+}
+
+// The adapter files of an engine are adapters/NAME*, in a folder of that name or not.
+bool belongs_to(const std::string& path, const std::string& engine) {
+  return path.starts_with("adapters/" + engine) || path.starts_with("tests/conformance/" + engine);
+}
+
+bool may_see(const std::string& path, const std::string& included) {
+  const std::vector<std::string>* allowed = nullptr;
+  std::size_t longest = 0;
+  for (const auto& [room, rooms] : arrows()) {
+    if (is_below(path, room) && room.size() > longest) {
+      allowed = &rooms;
+      longest = room.size();
+    }
+  }
+  if (allowed == nullptr) return true;
+  if (is_below(included, "ourengine") && belongs_to(path, "ourengine")) return true;
+  return std::ranges::any_of(*allowed,
+                             [&](const std::string& room) { return is_below(included, room); });
+}
+
+std::string selector_pattern(const Tree& tree) {
+  std::string names;
+  for (const std::string& name : engine_names(tree)) names += (names.empty() ? "" : "|") + name;
+  return "\"((?:" + names + ")(?:/[a-z0-9_]*)?)\"";
+}
+
+std::ptrdiff_t line_count(const std::string& text) { return std::ranges::count(text, '\n'); }
+
+std::vector<Finding> longer_than(const Tree& tree, std::ptrdiff_t most, const std::string& rule,
+                                 bool (*counts)(const std::string&)) {
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    const std::ptrdiff_t lines = line_count(content);
+    if (!counts(path) || lines <= most) continue;
+    findings.push_back(
+        {rule, path, std::to_string(lines) + " lines, at most " + std::to_string(most)});
+  }
+  return findings;
+}
+
+}  // namespace
+
+std::vector<std::string> engine_names(const Tree& tree) {
+  std::vector<std::string> names;
+  for (const auto& [path, content] : tree.files) {
+    if (is_below(path, "adapters") && extension(path) == ".cmake") names.push_back(file_stem(path));
+  }
+  return names;
+}
+
+std::vector<std::string> scenario_names(const Tree& tree) {
+  const auto catalogue = tree.files.find("experiments/scenarios/catalog.cpp");
+  if (catalogue == tree.files.end()) return {};
+  return matches(catalogue->second, R"(\bScenario (\w+)\(\);)");
+}
+
+std::vector<Finding> check_includes(const Tree& tree) {
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    if (!is_cpp(path)) continue;
+    for (const std::string& included : matches(content, R"((?:^|\n)#include "([^"]+)\")")) {
+      if (!may_see(path, included)) findings.push_back({"include", path, "includes " + included});
+    }
+    for (const std::string& included : matches(content, R"((?:^|\n)#include [<"]([^">]+)[>"])")) {
+      for (const auto& [prefix, engine] : engine_headers()) {
+        if (included.starts_with(prefix) && !belongs_to(path, engine)) {
+          findings.push_back({"include", path, "includes " + included + " of " + engine});
+        }
+      }
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> check_engine_names(const Tree& tree) {
+  const std::string selector = selector_pattern(tree);
+  const std::string comparison = "(?:[=!]= *|find\\(|contains\\(|starts_with\\()" + selector;
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    if (!is_cpp(path) || is_below(path, "adapters") || is_below(path, "tests/conformance") ||
+        is_below(path, "tests/architecture")) {
+      continue;
+    }
+    const bool test = is_below(path, "tests");
+    for (const std::string& name :
+         matches(without_comments(content), test ? comparison : selector)) {
+      findings.push_back({"engine name", path, "names the engine " + name});
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> check_mixed_paths(const Tree& tree) {
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    const std::vector<std::string> parts = words(path, "/_.-");
+    for (const std::string& engine : engine_names(tree)) {
+      if (std::ranges::find(parts, engine) == parts.end()) continue;
+      for (const std::string& scenario : scenario_names(tree)) {
+        const std::vector<std::string> needle = words(scenario, "_");
+        if (!std::ranges::search(parts, needle).empty()) {
+          findings.push_back({"mixed path", path, "names " + engine + " and " + scenario});
+        }
+      }
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> check_lengths(const Tree& tree) {
+  return longer_than(tree, k_longest_file, "length", [](const std::string& path) {
+    return is_cpp(path) || extension(path) == ".cmake" || extension(path) == ".sh";
+  });
+}
+
+std::vector<Finding> long_adapters(const Tree& tree) {
+  return longer_than(tree, k_longest_adapter, "adapter length", [](const std::string& path) {
+    return is_cpp(path) && is_below(path, "adapters") && !is_below(path, "adapters/seam");
+  });
+}
+
+std::vector<Finding> check_documents(const Tree& tree) {
+  const auto produced = [](const std::string& named) {
+    return named.starts_with("build/") || named.starts_with("results/");
+  };
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    const bool document =
+        extension(path) == ".md" && (path.find('/') == std::string::npos || is_below(path, "docs"));
+    if (!document) continue;
+    for (std::string named : matches(content, "`([A-Za-z0-9_.][A-Za-z0-9_./-]*)`")) {
+      const std::size_t slash = named.find('/');
+      if (slash == std::string::npos || produced(named)) continue;
+      const bool folder = named.back() == '/';
+      if (folder) named.pop_back();
+      // `bullet/si` is a variant of an engine, not a path.
+      if (!folder && !tree.folders.contains(named.substr(0, slash))) continue;
+      if (tree.folders.contains(named) || tree.files.contains(named)) continue;
+      if (!folder && extension(named).empty() && named.starts_with("ourengine/")) continue;
+      findings.push_back({"document", path, "names " + named + ", which does not exist"});
+    }
+  }
+  return findings;
+}
+
+}  // namespace brickbench::architecture

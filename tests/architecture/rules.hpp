@@ -1,0 +1,37 @@
+// The rules of the house: what may include what, and what must not be mixed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/architecture/tree.hpp"
+
+namespace brickbench::architecture {
+
+struct Finding {
+  std::string rule;
+  std::string path;
+  std::string reason;
+};
+
+// Arrows run one way: a file includes only what its room may see, and an engine's own headers stand
+// only in the adapter of that engine.
+std::vector<Finding> check_includes(const Tree& tree);
+// Outside adapters/ and tests, no string names an engine; in tests other than those of the adapters
+// nothing is compared with one.
+std::vector<Finding> check_engine_names(const Tree& tree);
+// No path names both an engine and a scenario.
+std::vector<Finding> check_mixed_paths(const Tree& tree);
+// C++, CMake and shell files stay short enough to read: 450 lines.
+std::vector<Finding> check_lengths(const Tree& tree);
+// Markdown of the root and of docs/ names, in `backquotes`, only files and folders that exist.
+std::vector<Finding> check_documents(const Tree& tree);
+
+// Files over the 150 lines that an adapter is meant to have: told, not failed.
+std::vector<Finding> long_adapters(const Tree& tree);
+
+// Engines, from adapters/*.cmake, and scenarios, from the catalogue of scenes.
+std::vector<std::string> engine_names(const Tree& tree);
+std::vector<std::string> scenario_names(const Tree& tree);
+
+}  // namespace brickbench::architecture
