@@ -144,7 +144,8 @@ wanted=()
 unavailable=0
 for row in "${missing[@]}"; do
   IFS='|' read -r group package why _ <<<"$row"
-  if LC_ALL=C apt-cache policy "$package" | grep -q 'Candidate: [^(]'; then
+  policy=$(LC_ALL=C apt-cache policy "$package")
+  if [[ $policy =~ Candidate:\ [^\(] ]]; then
     if [ ${#wanted[@]} -eq 0 ]; then say "installing, without recommended extras:"; fi
     printf '  %-22s %s\n' "$package" "$why"
     wanted+=("$package")
