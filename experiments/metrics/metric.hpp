@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "adapters/seam/simulation.hpp"
@@ -33,12 +34,22 @@ struct OutputInfo {
   std::string good;     // what a good value is and why, one line
 };
 
+// A metric reports every output that it declares. Where there is no number, the value is NaN and
+// the note begins with one of these, then says why.
+inline constexpr std::string_view k_not_applicable = "not applicable: ";  // nothing to measure here
+inline constexpr std::string_view k_not_finite = "not finite: ";          // the run diverged
+
 struct Measurement {
-  std::string name;  // of an OutputInfo
+  std::string name;  // of an OutputInfo; "diag_..." for what only the engine can name
   std::string unit;
   double value = 0.0;
   std::string note;  // empty, or where and when: "bodies 'a' and 'b' at 0.25 s"
 };
+
+// Whether the scene and the engine offer what this number needs.
+inline bool applies(const Measurement& measurement) {
+  return !measurement.note.starts_with(k_not_applicable);
+}
 
 class Metric {
  public:

@@ -1,0 +1,28 @@
+// Energy and spin of one body from its recorded state.
+#pragma once
+
+#include "adapters/seam/world.hpp"
+
+namespace brickbench {
+
+// The angular velocity in the body frame (rad/s). The quaternion's length is divided out: how far
+// an engine lets it drift is not a matter of energy.
+inline Eigen::Vector3d body_angular_velocity_radps(const State& state) {
+  return state.orientation.normalized().conjugate() * state.angular_velocity_radps;
+}
+
+// m v.v / 2 + w.I w / 2 (J).
+inline double kinetic_energy_j(const Body& body, const State& state) {
+  const Eigen::Vector3d spin_radps = body_angular_velocity_radps(state);
+  return 0.5 * (body.mass_kg * state.velocity_mps.squaredNorm() +
+                body.inertia_kgm2.dot(spin_radps.cwiseAbs2()));
+}
+
+// R I R^T w (kg m2/s), world frame.
+inline Eigen::Vector3d spin_nms(const Body& body, const State& state) {
+  const Eigen::Quaterniond to_world = state.orientation.normalized();
+  return to_world *
+         body.inertia_kgm2.cwiseProduct(to_world.conjugate() * state.angular_velocity_radps);
+}
+
+}  // namespace brickbench
