@@ -446,6 +446,25 @@ ContactLaw OdeSimulation::pair_law(std::size_t a, std::size_t b) const {
   return {.friction = joint.mu, .restitution = joint.bounce};
 }
 
+std::optional<Scheme> ode_scheme(const Settings& settings) {
+  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
+  Scheme scheme;
+  scheme.source =
+      "Smith, ODE 0.16: dxStepBody (util.cpp), gyroscopic torque in step.cpp and quickstep.cpp, "
+      "dxJointContact::getInfo2";
+  scheme.gyroscopic =
+      value("gyroscopic") > 0 ? GyroscopicRule::frozen_momentum : GyroscopicRule::neglected;
+  scheme.attitude =
+      value("finite_rotation") > 0 ? AttitudeRule::exponential : AttitudeRule::normalised_euler;
+  scheme.friction = value("slip_aligned_friction") > 0 ? FrictionSet::circle : FrictionSet::square;
+  if (value("contact_surface_layer_m") > 0) return scheme;  // Scheme has no such layer
+  scheme.impulse = {.restitution_threshold_mps = value("restitution_threshold_mps"),
+                    .error_reduction = value("erp"),
+                    .max_correction_mps = value("max_correcting_velocity_mps"),
+                    .softness_per_kgs = value("cfm")};
+  return scheme;
+}
+
 Expected<std::unique_ptr<Simulation>> build_ode(const World& world, const Settings& settings) {
   if (auto ranges = check_ranges(k_knobs, settings); !ranges) {
     return tl::make_unexpected(ranges.error());
@@ -469,7 +488,8 @@ Adapter ode_adapter() {
                        {"dantzig", "dWorldStep (Lemke-Dantzig), tuned; for some 15 bodies at most"},
                        {"default", "the library's own settings: QuickStep, 20 iterations"}},
           .knobs = to_knobs(k_knobs),
-          .build = &build_ode};
+          .build = &build_ode,
+          .scheme = &ode_scheme};
 }
 
 }  // namespace brickbench
