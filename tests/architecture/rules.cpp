@@ -43,9 +43,18 @@ std::vector<std::string> matches(const std::string& text, const std::string& pat
   return found;
 }
 
-// The adapter files of an engine are adapters/NAME*, in a folder of that name or not.
+// Where the adapters live, and their tests.
+const std::vector<std::string>& adapter_rooms() {
+  static const std::vector<std::string> rooms = {"adapters", "tests/conformance",
+                                                 "tests/unit/adapters"};
+  return rooms;
+}
+
+// The files of an engine's adapter and its tests: NAME* in one of the rooms above.
 bool belongs_to(const std::string& path, const std::string& engine) {
-  return path.starts_with("adapters/" + engine) || path.starts_with("tests/conformance/" + engine);
+  return std::ranges::any_of(adapter_rooms(), [&](const std::string& room) {
+    return path.starts_with(room + "/" + engine);
+  });
 }
 
 bool may_see(const std::string& path, const std::string& included) {
@@ -122,10 +131,9 @@ std::vector<Finding> check_engine_names(const Tree& tree) {
   const std::string comparison = "(?:[=!]= *|find\\(|contains\\(|starts_with\\()" + selector;
   std::vector<Finding> findings;
   for (const auto& [path, content] : tree.files) {
-    if (!is_cpp(path) || is_below(path, "adapters") || is_below(path, "tests/conformance") ||
-        is_below(path, "tests/architecture")) {
-      continue;
-    }
+    const bool adapter = std::ranges::any_of(
+        adapter_rooms(), [&](const std::string& room) { return is_below(path, room); });
+    if (!is_cpp(path) || adapter || is_below(path, "tests/architecture")) continue;
     const bool test = is_below(path, "tests");
     for (const std::string& name :
          matches(without_comments(content), test ? comparison : selector)) {
