@@ -7,12 +7,16 @@
 # Whether NAME is built follows BRICKBENCH_WITH_<NAME> = AUTO | ON | OFF. The caller looks for the
 # engine between brickbench_engine_option() and brickbench_adapter().
 set_property(GLOBAL PROPERTY BRICKBENCH_ADAPTERS "")
+# Every engine that has an option, and "name:packages" of those that were looked for in vain.
+set_property(GLOBAL PROPERTY BRICKBENCH_ENGINES_KNOWN "")
+set_property(GLOBAL PROPERTY BRICKBENCH_ENGINES_MISSING "")
 
 # brickbench_engine_option(NAME): defines BRICKBENCH_WITH_<NAME>; sets WANTED to whether to look for it.
 function(brickbench_engine_option name)
   string(TOUPPER ${name} upper)
   set(BRICKBENCH_WITH_${upper} AUTO CACHE STRING "Build the ${name} adapter: AUTO, ON or OFF")
   set_property(CACHE BRICKBENCH_WITH_${upper} PROPERTY STRINGS AUTO ON OFF)
+  set_property(GLOBAL APPEND PROPERTY BRICKBENCH_ENGINES_KNOWN ${name})
   if(BRICKBENCH_WITH_${upper} STREQUAL "OFF")
     set(WANTED FALSE PARENT_SCOPE)
     message(STATUS "brickbench: engine ${name} switched off (BRICKBENCH_WITH_${upper}=OFF)")
@@ -27,6 +31,7 @@ function(brickbench_engine_missing name packages)
   if(BRICKBENCH_WITH_${upper} STREQUAL "ON")
     message(FATAL_ERROR "brickbench: engine ${name} not found; install ${packages}")
   endif()
+  set_property(GLOBAL APPEND PROPERTY BRICKBENCH_ENGINES_MISSING "${name}:${packages}")
   message(STATUS "brickbench: engine ${name} not found, skipped; install ${packages} to have it")
 endfunction()
 

@@ -46,6 +46,7 @@ struct Adapter {
   // Optional: the scheme that the engine documents for these settings (variant filled in); nullptr
   // or nullopt where none is stated, and then no discrete truth is claimed.
   std::optional<Scheme> (*scheme)(const Settings&) = nullptr;
+  bool own = false;  // an engine of this project: reports print its losses first
 };
 
 // The value that the user gave the knob, else `otherwise`.

@@ -1,0 +1,69 @@
+// Provenance: what made a results folder. The date and the command line live here and never in
+// rows.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "adapters/seam/failure.hpp"
+
+namespace brickbench {
+
+// How this binary was built and on what it runs.
+struct Machine {
+  std::string revision;  // of the source: git commit, with "-dirty.<hash of the changes>"
+  std::string compiler;
+  std::string flags;
+  std::string build_type;
+  std::string cpu;  // model name
+  std::string architecture;
+  unsigned cores = 0;  // that this process may use
+  std::string system;  // distribution and kernel
+
+  // The short text of the `machine` column.
+  std::string label() const { return cpu + ", " + architecture; }
+};
+
+Machine this_machine();
+
+struct EngineRecord {
+  std::string name;
+  std::string version;
+  std::string precision;
+  bool own = false;  // written by this project: its losses are reported first
+};
+
+// What a number means, for the report.
+struct MetricRecord {
+  std::string name;
+  std::string unit;
+  std::string group;
+  std::string better;
+  std::string meaning;
+  std::string good;
+};
+
+struct Provenance {
+  std::string command;   // as typed, quoted for a shell
+  std::string date_utc;  // ISO 8601
+  std::string plan;      // file
+  std::string title;
+  std::string analysis;
+  Machine machine;
+  std::vector<EngineRecord> engines;
+  std::vector<MetricRecord> metrics;
+};
+
+nlohmann::ordered_json to_json(const Machine& machine);
+nlohmann::ordered_json to_json(const Provenance& provenance);
+// Fault::invalid if a key is missing or has the wrong type.
+Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json);
+
+// Now, as ISO 8601 in UTC.
+std::string now_utc();
+
+// The arguments joined so that a POSIX shell reads them back.
+std::string shell_command(const std::vector<std::string>& arguments);
+
+}  // namespace brickbench

@@ -1,0 +1,364 @@
+#include "experiments/run/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "experiments/record/file.hpp"
+#include "experiments/run/override.hpp"
+
+namespace brickbench {
+namespace {
+
+const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment"};
+const std::vector<std::string> k_experiment_keys = {
+    "name",       "scenario", "engines", "step_s", "duration_s", "time_limit_s",
+    "parameters", "seeds",    "perturb", "except", "expect",     "metrics"};
+const std::vector<std::string> k_outcomes = {"refused", "invalid",   "diverged",
+                                             "crashed", "timed_out", "out_of_memory"};
+// The largest relative distance of duration / step from a whole number: rounding of 2 / (1/240).
+constexpr double k_whole_steps_tolerance = 1e-9;
+
+// true and false, or 1 and 0 as the rows write them.
+double truth(const Value& value, std::string_view name) {
+  const bool number =
+      value.kind == ValueKind::integer && (value.number == 0.0 || value.number == 1.0);
+  return number ? value.number : expect(value, name, ValueKind::boolean).number;
+}
+
+ParameterValue parameter_value(const Scenario& scenario, const Parameter& parameter,
+                               const Value& value) {
+  const std::string name = fmt::format("{}: {}", scenario.name, parameter.name);
+  ParameterValue result;
+  switch (parameter.kind) {
+    case ParameterKind::choice:
+      result = expect(value, name, ValueKind::text).text;
+      break;
+    case ParameterKind::boolean:
+      result = truth(value, name);
+      break;
+    case ParameterKind::integer:
+      result = expect(value, name, ValueKind::integer).number;
+      break;
+    case ParameterKind::number:
+      result = finite_number(value, name);
+      break;
+  }
+  if (auto ok = complete(scenario, {{parameter.name, result}}); !ok) {
+    reject(value.at, ok.error().reason);
+  }
+  return result;
+}
+
+template <typename Convert>
+Axis axis(const std::string& name, const Value& value, const Convert& convert) {
+  Axis result{.name = name, .values = {}, .at = value.at};
+  for (const Value* item : one_or_more(value, name)) {
+    ParameterValue converted = convert(*item);
+    if (std::ranges::find(result.values, converted) != result.values.end()) {
+      reject(item->at, fmt::format("{} lists the same value twice", name));
+    }
+    result.values.push_back(std::move(converted));
+  }
+  return result;
+}
+
+std::vector<Axis> parameter_axes(const Scenario& scenario, const Value& table) {
+  expect(table, "parameters", ValueKind::table);
+  reject_unknown(table, fmt::format("scenario {}", scenario.name), names_of(scenario.parameters));
+  std::vector<Axis> axes;
+  for (const Entry& entry : table.entries) {
+    const auto parameter = std::ranges::find(scenario.parameters, entry.name, &Parameter::name);
+    axes.push_back(axis(entry.name, entry.value, [&](const Value& value) {
+      return parameter_value(scenario, *parameter, value);
+    }));
+  }
+  return axes;
+}
+
+std::vector<Axis> knob_axes(const Value& table, const Selector& selector,
+                            const Catalogues& catalogues) {
+  expect(table, "knobs", ValueKind::table);
+  for (const EngineVariant& chosen : select(selector, catalogues)) {
+    const Adapter& adapter = *find_adapter(catalogues, chosen.engine);
+    reject_unknown(table, fmt::format("engine {} as a knob", chosen.engine),
+                   names_of(adapter.knobs));
+  }
+  std::vector<Axis> axes;
+  for (const Entry& entry : table.entries) {
+    axes.push_back(axis(entry.name, entry.value, [&](const Value& value) {
+      return ParameterValue(finite_number(value, entry.name));
+    }));
+  }
+  return axes;
+}
+
+std::vector<EngineChoice> engine_choices(const Value& value, const Catalogues& catalogues) {
+  std::vector<EngineChoice> choices;
+  std::size_t matched = 0;
+  for (const Value* item : one_or_more(value, "engines")) {
+    EngineChoice choice;
+    if (item->kind == ValueKind::table) {
+      reject_unknown(*item, "an entry of engines", {"engine", "knobs"});
+      const Value* engine = item->find("engine");
+      if (engine == nullptr) reject(item->at, "an entry of engines needs the key 'engine'");
+      choice.selector =
+          parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, true);
+      if (const Value* knobs = item->find("knobs")) {
+        choice.knobs = knob_axes(*knobs, choice.selector, catalogues);
+      }
+    } else {
+      choice.selector = parse_selector(filled_text(*item, "engines"), item->at, catalogues, true);
+    }
+    matched += select(choice.selector, catalogues).size();
+    choices.push_back(std::move(choice));
+  }
+  if (matched == 0) reject(value.at, "engines matches nothing in this build");
+  return choices;
+}
+
+std::vector<std::string> condition_names(const Scenario& scenario, const Catalogues& catalogues) {
+  std::vector<std::string> names = names_of(scenario.parameters);
+  for (const char* name : {"step_s", "duration_s", "seed"}) names.emplace_back(name);
+  for (const Adapter& adapter : catalogues.adapters) {
+    for (const Knob& knob : adapter.knobs) names.push_back("knob." + knob.name);
+  }
+  return names;
+}
+
+std::vector<Rule> rules(const Value& list, bool with_outcome, const Scenario& scenario,
+                        const Catalogues& catalogues) {
+  const std::string_view what = with_outcome ? "expect" : "except";
+  std::vector<std::string> keys = {"engine", "when", "why"};
+  if (with_outcome) keys.emplace_back("outcome");
+  std::vector<Rule> result;
+  for (const Value& item : expect(list, what, ValueKind::array).items) {
+    expect(item, fmt::format("an entry of {}", what), ValueKind::table);
+    reject_unknown(item, fmt::format("an entry of {}", what), keys);
+    Rule rule;
+    const Value* engine = item.find("engine");
+    const Value* when = item.find("when");
+    const Value* why = item.find("why");
+    if (engine == nullptr && when == nullptr) {
+      reject(item.at, fmt::format("an entry of {} needs 'engine' or 'when' or both", what));
+    }
+    if (why == nullptr) reject(item.at, fmt::format("an entry of {} needs 'why'", what));
+    rule.why = filled_text(*why, "why");
+    if (engine != nullptr) {
+      rule.selector = parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, false);
+      // In a rule the bare name means all variants: a rule is about the engine.
+      if (rule.selector->variant.empty()) rule.selector->variant = "*";
+    }
+    if (when != nullptr) {
+      rule.when = parse_condition(filled_text(*when, "when"), when->at,
+                                  condition_names(scenario, catalogues));
+    }
+    if (with_outcome) {
+      const Value* outcome = item.find("outcome");
+      if (outcome == nullptr) reject(item.at, "an entry of expect needs 'outcome'");
+      rule.outcome = filled_text(*outcome, "outcome");
+      if (std::ranges::find(k_outcomes, rule.outcome) == k_outcomes.end()) {
+        reject(outcome->at, fmt::format("no outcome '{}'{}", rule.outcome,
+                                        known_names(rule.outcome, k_outcomes)));
+      }
+    }
+    result.push_back(std::move(rule));
+  }
+  return result;
+}
+
+std::uint64_t seed_number(const Value& value) {
+  const double seed = expect(value, "seeds", ValueKind::integer).number;
+  if (seed < 1.0) reject(value.at, fmt::format("seeds: {} must be at least 1", seed));
+  return static_cast<std::uint64_t>(seed);
+}
+
+std::vector<std::uint64_t> seed_list(const Value& value) {
+  std::vector<std::uint64_t> seeds;
+  if (value.kind == ValueKind::array) {
+    for (const Value* item : one_or_more(value, "seeds")) {
+      const std::uint64_t seed = seed_number(*item);
+      if (std::ranges::find(seeds, seed) != seeds.end()) {
+        reject(item->at, fmt::format("seeds lists {} twice", seed));
+      }
+      seeds.push_back(seed);
+    }
+    return seeds;
+  }
+  const std::uint64_t count = seed_number(value);
+  if (count > 1'000'000) reject(value.at, fmt::format("seeds = {}: at most 1000000", count));
+  for (std::uint64_t seed = 1; seed <= count; ++seed) seeds.push_back(seed);
+  return seeds;
+}
+
+Perturbation perturbation(const Value& table) {
+  expect(table, "perturb", ValueKind::table);
+  reject_unknown(
+      table, "perturb",
+      {"position_m", "angle_rad", "velocity_mps", "angular_velocity_radps", "distribution"});
+  Perturbation result;
+  bool any = false;
+  const auto read = [&](const char* name, double& size) {
+    const Value* value = table.find(name);
+    if (value == nullptr) return;
+    size = positive_number(*value, name);
+    any = true;
+  };
+  read("position_m", result.position_m);
+  read("angle_rad", result.angle_rad);
+  read("velocity_mps", result.velocity_mps);
+  read("angular_velocity_radps", result.angular_velocity_radps);
+  if (!any) reject(table.at, "perturb names no quantity to perturb");
+  if (const Value* value = table.find("distribution")) {
+    result.distribution = filled_text(*value, "distribution");
+    if (result.distribution != "normal" && result.distribution != "uniform") {
+      reject(value->at, fmt::format("no distribution '{}'{}", result.distribution,
+                                    known_names(result.distribution, {"normal", "uniform"})));
+    }
+  }
+  return result;
+}
+
+std::vector<double> step_list(const Value& value, double duration_s) {
+  const Axis steps = axis("step_s", value, [&](const Value& item) {
+    const double step_s = positive_number(item, "step_s");
+    const double count = duration_s / step_s;
+    if (std::round(count) < 1.0 ||
+        std::abs(count - std::round(count)) > k_whole_steps_tolerance * count) {
+      reject(item.at, fmt::format("duration_s = {} is not a whole number of steps of {} s",
+                                  duration_s, step_s));
+    }
+    return ParameterValue(step_s);
+  });
+  std::vector<double> result;
+  for (const ParameterValue& step : steps.values) result.push_back(std::get<double>(step));
+  return result;
+}
+
+std::vector<std::string> metric_list(const Value* value, const Catalogues& catalogues) {
+  const std::vector<std::string> known = names_of(catalogues.metrics);
+  if (value == nullptr) return known;
+  std::set<std::string> wanted;
+  for (const Value* item : one_or_more(*value, "metrics")) {
+    const std::string& name = filled_text(*item, "metrics");
+    if (std::ranges::find(known, name) == known.end()) {
+      reject(item->at, fmt::format("no metric '{}'{}", name, known_names(name, known)));
+    }
+    wanted.insert(name);
+  }
+  std::vector<std::string> names;
+  std::ranges::copy_if(known, std::back_inserter(names),
+                       [&](const std::string& name) { return wanted.contains(name); });
+  return names;
+}
+
+const Scenario& scenario_of(const Value& table, const Catalogues& catalogues) {
+  const Value* name = table.find("scenario");
+  if (name == nullptr) reject(table.at, "an experiment needs the key 'scenario'");
+  const Scenario* scenario = find_scenario(catalogues, filled_text(*name, "scenario"));
+  if (scenario == nullptr) {
+    reject(name->at, fmt::format("no scenario '{}'{}", name->text,
+                                 known_names(name->text, names_of(catalogues.scenarios))));
+  }
+  return *scenario;
+}
+
+const Value& required(const Value& table, const char* key) {
+  const Value* value = table.find(key);
+  if (value == nullptr) reject(table.at, fmt::format("an experiment needs the key '{}'", key));
+  return *value;
+}
+
+Experiment experiment(const Value& table, const Catalogues& catalogues) {
+  expect(table, "experiment", ValueKind::table);
+  reject_unknown(table, "an experiment", k_experiment_keys);
+  const Scenario& scenario = scenario_of(table, catalogues);
+  Experiment result;
+  result.scenario = scenario.name;
+  result.at = table.at;
+  const Value* name = table.find("name");
+  result.name = name == nullptr ? scenario.name : filled_text(*name, "name");
+  result.engines = engine_choices(required(table, "engines"), catalogues);
+  const Value* duration = table.find("duration_s");
+  result.duration_s =
+      duration == nullptr ? scenario.duration_s : positive_number(*duration, "duration_s");
+  result.step_s = step_list(required(table, "step_s"), result.duration_s);
+  if (const Value* limit = table.find("time_limit_s")) {
+    result.time_limit_s = positive_number(*limit, "time_limit_s");
+  }
+  result.parameters_at = table.at;
+  if (const Value* parameters = table.find("parameters")) {
+    result.parameters = parameter_axes(scenario, *parameters);
+    result.parameters_at = parameters->at;
+  }
+  const Value* seeds = table.find("seeds");
+  const Value* perturb = table.find("perturb");
+  if (seeds != nullptr && perturb == nullptr) {
+    reject(seeds->at, "seeds without perturb would only repeat the same run");
+  }
+  if (perturb != nullptr && seeds == nullptr) reject(perturb->at, "perturb needs seeds");
+  if (seeds != nullptr) result.seeds = seed_list(*seeds);
+  if (perturb != nullptr) result.perturb = perturbation(*perturb);
+  if (const Value* list = table.find("except")) {
+    result.except = rules(*list, false, scenario, catalogues);
+  }
+  if (const Value* list = table.find("expect")) {
+    result.expected = rules(*list, true, scenario, catalogues);
+  }
+  result.metrics = metric_list(table.find("metrics"), catalogues);
+  return result;
+}
+
+Plan plan(const Value& table, const Catalogues& catalogues) {
+  reject_unknown(table, "a plan", k_plan_keys);
+  Plan result;
+  const Value* title = table.find("title");
+  if (title == nullptr) reject({table.at.file, 0, 0}, "a plan needs the key 'title'");
+  result.title = filled_text(*title, "title");
+  if (const Value* analysis = table.find("analysis")) {
+    result.analysis = expect(*analysis, "analysis", ValueKind::text).text;
+  }
+  const Value* list = table.find("experiment");
+  if (list == nullptr) reject({table.at.file, 0, 0}, "a plan needs at least one [[experiment]]");
+  if (list->kind != ValueKind::array) {
+    reject(list->at, "experiment must be an array of tables: write [[experiment]]");
+  }
+  std::set<std::string> names;
+  for (const Value& item : list->items) {
+    result.experiments.push_back(experiment(item, catalogues));
+    const std::string& name = result.experiments.back().name;
+    if (!names.insert(name).second) {
+      reject(item.at, fmt::format("two experiments are called '{}': give one a name", name));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Checked<Plan> parse_plan(const std::string& text, const std::filesystem::path& file,
+                         const Catalogues& catalogues, const Overrides& overrides) {
+  auto table = parse_toml(text, file.string());
+  if (!table) return tl::unexpected(table.error());
+  try {
+    override_values(*table, overrides, catalogues);
+    Plan result = plan(*table, catalogues);
+    result.file = file;
+    result.name = file.stem().string();
+    result.text = text;
+    return result;
+  } catch (const InputError& error) {
+    return tl::unexpected(error);
+  }
+}
+
+Checked<Plan> read_plan(const std::filesystem::path& file, const Catalogues& catalogues,
+                        const Overrides& overrides) {
+  const auto text = read_file(file);
+  if (!text) return file_error(file.string(), text.error().reason);
+  return parse_plan(*text, file, catalogues, overrides);
+}
+
+}  // namespace brickbench

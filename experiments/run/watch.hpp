@@ -1,0 +1,59 @@
+// Watch: steps a simulation through its scene and shows every step to the metrics.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiments/metrics/state_hash.hpp"
+#include "experiments/metrics/step_clock.hpp"
+#include "experiments/record/timing.hpp"
+#include "experiments/run/run_cell.hpp"
+
+namespace brickbench {
+
+struct CurvePoint {
+  std::string curve;
+  std::string unit;
+  double time_s = 0.0;
+  double value = 0.0;
+};
+
+class Watch {
+ public:
+  // The scene must outlive the watch.
+  Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues);
+
+  // Builds the simulation and steps it to the end of the cell. Fails as the engine fails; with
+  // Fault::diverged at the first state that is not finite; with Fault::timed_out at the cell's time
+  // limit or when `after_step` says so.
+  Expected<void> run(const Adapter& adapter, const StepCallback& after_step);
+
+  std::vector<Measurement> report() const;
+  const std::vector<CurvePoint>& curves() const { return curves_; }
+  std::uint64_t stride() const { return stride_; }
+  std::string state_hash() const { return hash_.hex(); }
+  void fill_timing(Timing& timing) const;
+
+ private:
+  Expected<void> advance(Simulation& simulation, std::size_t step);
+  Expected<void> check_finite(std::size_t step) const;
+  void set_wrenches(std::size_t step);
+  void observe(Simulation& simulation, std::size_t step);
+
+  const Scene& scene_;
+  const Cell& cell_;
+  std::uint64_t steps_;
+  std::uint64_t steps_done_ = 0;
+  std::uint64_t stride_;
+  double build_cpu_s_ = 0.0;
+  std::vector<std::unique_ptr<Metric>> metrics_;
+  std::vector<State> states_;     // (bodies)
+  std::vector<Wrench> wrenches_;  // (bodies)
+  std::vector<Contact> contacts_;
+  std::vector<CurvePoint> curves_;
+  StateHash hash_;
+  StepClock clock_;
+};
+
+}  // namespace brickbench

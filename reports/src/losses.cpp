@@ -1,0 +1,69 @@
+#include "reports/src/losses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace brickbench {
+namespace {
+
+// The best of the contenders that `belongs` accepts in number n; none if none has a value.
+template <typename Belongs>
+std::optional<std::size_t> best_of(const Block& block, std::size_t n, const Belongs& belongs) {
+  const bool lower = block.numbers[n].better == "lower";
+  std::optional<std::size_t> best;
+  for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+    const auto& median = block.scores[c][n].median;
+    if (!median || !belongs(block.contenders[c])) continue;
+    const double so_far = best ? *block.scores[*best][n].median : 0.0;
+    if (!best || (lower ? *median < so_far : *median > so_far)) best = c;
+  }
+  return best;
+}
+
+double severity(const Loss& loss) {
+  if (!loss.ratio || *loss.ratio <= 0.0) return std::numeric_limits<double>::infinity();
+  return std::abs(std::log(*loss.ratio));
+}
+
+}  // namespace
+
+std::vector<std::string> own_engines(const Provenance& provenance) {
+  std::vector<std::string> names;
+  for (const EngineRecord& engine : provenance.engines) {
+    if (engine.own) names.push_back(engine.name);
+  }
+  return names;
+}
+
+LossTable losses(std::span<const Block> blocks, std::span<const std::string> own) {
+  const auto is_own = [&](const Contender& contender) {
+    return std::ranges::find(own, contender.engine) != own.end();
+  };
+  LossTable table;
+  for (const Block& block : blocks) {
+    for (std::size_t n = 0; n < block.numbers.size(); ++n) {
+      if (block.numbers[n].better == "neither") continue;
+      const auto ours = best_of(block, n, is_own);
+      const auto other = best_of(block, n, [&](const Contender& c) { return !is_own(c); });
+      if (!ours || !other) continue;
+      ++table.compared;
+      const double a = *block.scores[*ours][n].median;
+      const double b = *block.scores[*other][n].median;
+      if (block.numbers[n].better == "lower" ? a <= b : a >= b) continue;
+      Loss loss{block.numbers[n].name,
+                scene_label(block),
+                block.contenders[*ours].label(),
+                a,
+                block.contenders[*other].label(),
+                b,
+                {}};
+      if (b != 0.0) loss.ratio = a / b;
+      table.rows.push_back(std::move(loss));
+    }
+  }
+  std::ranges::stable_sort(table.rows, std::greater{}, severity);
+  return table;
+}
+
+}  // namespace brickbench

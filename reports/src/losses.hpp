@@ -1,0 +1,34 @@
+// Losses: every number in which an engine of this project is not the best of a block.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/record/provenance.hpp"
+#include "reports/src/summary.hpp"
+
+namespace brickbench {
+
+struct Loss {
+  std::string number;
+  std::string scene;
+  std::string ours;
+  double ours_value = 0.0;
+  std::string best;
+  double best_value = 0.0;
+  std::optional<double> ratio;  // ours / best; none where best is 0
+};
+
+struct LossTable {
+  std::vector<Loss> rows;    // the largest |log ratio| first, those without ratio at the very top
+  std::size_t compared = 0;  // numbers with a direction in which ours and another have a value
+};
+
+std::vector<std::string> own_engines(const Provenance& provenance);
+
+// In each block the best variant of our engines stands for us, per number.
+LossTable losses(std::span<const Block> blocks, std::span<const std::string> own);
+
+}  // namespace brickbench

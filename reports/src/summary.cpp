@@ -1,0 +1,181 @@
+#include "reports/src/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace brickbench {
+namespace {
+
+constexpr std::string_view k_not_applicable = "not_applicable";
+
+struct Axes {
+  std::string scene;
+  std::string knobs;
+};
+
+Axes split_axes(const std::string& axes) {
+  Axes result;
+  for (std::size_t at = 0; at < axes.size();) {
+    const std::size_t end = std::min(axes.find(';', at), axes.size());
+    const std::string axis = axes.substr(at, end - at);
+    std::string& part = axis.starts_with("knob.") ? result.knobs : result.scene;
+    part += (part.empty() ? "" : ", ") + axis;
+    at = end + 1;
+  }
+  return result;
+}
+
+template <typename Item, typename Key>
+std::size_t index_of(std::vector<Item>& items, const Key& same, Item otherwise) {
+  const auto found = std::ranges::find_if(items, same);
+  if (found != items.end()) return static_cast<std::size_t>(found - items.begin());
+  items.push_back(std::move(otherwise));
+  return items.size() - 1;
+}
+
+// The values of one score, collected before they are reduced.
+struct Sheet {
+  Block block;
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> values;
+};
+
+void add(Sheet& sheet, const Row& row, const std::string& knobs) {
+  Block& block = sheet.block;
+  const Contender contender{row.engine, row.variant, knobs};
+  const std::size_t who = index_of(
+      block.contenders, [&](const Contender& c) { return c == contender; }, contender);
+  const std::size_t what = index_of(
+      block.numbers, [&](const Number& n) { return n.name == row.metric; },
+      Number{row.metric, row.unit, row.better, {}, {}});
+  block.scores.resize(block.contenders.size());
+  for (auto& scores : block.scores) scores.resize(block.numbers.size());
+  Score& score = block.scores[who][what];
+  ++score.cells;
+  if (row.value) {
+    if (score.with_value++ == 0) score.note = row.note;
+    sheet.values[{who, what}].push_back(*row.value);
+  } else if (score.outcome.empty()) {
+    score.outcome = row.outcome;
+    score.reason = row.reason;
+  }
+}
+
+void reduce(Sheet& sheet) {
+  for (auto& [place, values] : sheet.values) {
+    Score& score = sheet.block.scores[place.first][place.second];
+    std::ranges::sort(values);
+    const std::size_t middle = values.size() / 2;
+    score.median =
+        values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+    score.lowest = values.front();
+    score.highest = values.back();
+  }
+}
+
+// Best and worst engine of each number that has a direction and differs between engines.
+void rank(Block& block) {
+  for (std::size_t n = 0; n < block.numbers.size(); ++n) {
+    Number& number = block.numbers[n];
+    if (number.better == "neither") continue;
+    std::optional<std::size_t> low;
+    std::optional<std::size_t> high;
+    for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+      const auto& median = block.scores[c][n].median;
+      if (!median) continue;
+      if (!low || *median < *block.scores[*low][n].median) low = c;
+      if (!high || *median > *block.scores[*high][n].median) high = c;
+    }
+    if (!low || *block.scores[*low][n].median == *block.scores[*high][n].median) continue;
+    number.best = number.better == "lower" ? low : high;
+    number.worst = number.better == "lower" ? high : low;
+  }
+}
+
+}  // namespace
+
+std::string Contender::label() const {
+  std::string text = engine + '/' + variant;
+  if (!knobs.empty()) text += " (" + knobs + ')';
+  return text;
+}
+
+std::vector<Block> summarize(std::span<const Row> rows) {
+  using Key = std::tuple<std::string, std::string, double, double, std::string>;
+  std::map<Key, std::size_t> known;
+  std::vector<Sheet> sheets;
+  for (const Row& row : rows) {
+    const Axes axes = split_axes(row.axes);
+    const Key key{row.experiment, axes.scene, row.step_s, row.duration_s, row.group};
+    const auto [place, is_new] = known.emplace(key, sheets.size());
+    if (is_new) {
+      Sheet sheet;
+      sheet.block.experiment = row.experiment;
+      sheet.block.scenario = row.scenario;
+      sheet.block.axes = axes.scene;
+      sheet.block.step_s = row.step_s;
+      sheet.block.duration_s = row.duration_s;
+      sheet.block.group = row.group;
+      sheets.push_back(std::move(sheet));
+    }
+    add(sheets[place->second], row, axes.knobs);
+  }
+  std::vector<Block> blocks;
+  for (Sheet& sheet : sheets) {
+    reduce(sheet);
+    rank(sheet.block);
+    blocks.push_back(std::move(sheet.block));
+  }
+  return blocks;
+}
+
+Table to_table(const Block& block) {
+  std::vector<std::size_t> shown;
+  for (std::size_t n = 0; n < block.numbers.size(); ++n) {
+    const bool nowhere = std::ranges::all_of(block.scores, [&](const auto& scores) {
+      return scores[n].outcome == k_not_applicable && !scores[n].median;
+    });
+    if (!nowhere) shown.push_back(n);
+  }
+  Table table;
+  table.header.emplace_back("engine");
+  for (const std::size_t n : shown) table.header.push_back(block.numbers[n].name);
+  for (std::size_t c = 0; c < block.contenders.size() && !shown.empty(); ++c) {
+    std::vector<TableCell> row = {{block.contenders[c].label()}};
+    for (const std::size_t n : shown) {
+      const Score& score = block.scores[c][n];
+      Mark mark = Mark::plain;
+      if (!score.median)
+        mark = Mark::failed;
+      else if (block.numbers[n].best == c)
+        mark = Mark::best;
+      else if (block.numbers[n].worst == c)
+        mark = Mark::worst;
+      row.push_back({score_text(score), mark});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string scene_label(const Block& block) {
+  return fmt::format("{}{}{}, step {} s, {} s", block.experiment, block.axes.empty() ? "" : ": ",
+                     block.axes, block.step_s, block.duration_s);
+}
+
+std::string short_number(double value) { return fmt::format("{:.4g}", value); }
+
+std::string score_text(const Score& score) {
+  if (!score.median) {
+    return score.cells > 1 ? fmt::format("{} (0 of {})", score.outcome, score.cells)
+                           : score.outcome;
+  }
+  if (score.cells == 1) return short_number(*score.median);
+  return fmt::format("{} [{} .. {}] ({} of {})", short_number(*score.median),
+                     short_number(score.lowest), short_number(score.highest), score.with_value,
+                     score.cells);
+}
+
+}  // namespace brickbench

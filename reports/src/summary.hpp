@@ -1,0 +1,72 @@
+// Summary: the rows of a run, ordered as a reader compares them: one block per experiment, scene,
+// step and metric group, engines down, numbers across.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "experiments/record/row.hpp"
+#include "reports/src/table.hpp"
+
+namespace brickbench {
+
+// What one engine reached in one number of a block, over all cells (seeds) of it.
+struct Score {
+  std::optional<double> median;  // of the cells with a value
+  double lowest = 0.0;
+  double highest = 0.0;
+  std::size_t with_value = 0;
+  std::size_t cells = 0;
+  std::string note;     // of the first cell with a value
+  std::string outcome;  // of the first cell without one
+  std::string reason;
+};
+
+struct Number {
+  std::string name;
+  std::string unit;
+  std::string better;  // lower, higher or neither
+  std::optional<std::size_t>
+      best;  // index of an engine; none where nothing is better, or all equal
+  std::optional<std::size_t> worst;
+};
+
+struct Contender {
+  std::string engine;
+  std::string variant;
+  std::string knobs;  // "knob.iterations=50", may be empty
+
+  std::string label() const;
+  bool operator==(const Contender&) const = default;
+};
+
+struct Block {
+  std::string experiment;
+  std::string scenario;
+  std::string axes;  // without knobs
+  double step_s = 0.0;
+  double duration_s = 0.0;
+  std::string group;
+  std::vector<Number> numbers;
+  std::vector<Contender> contenders;
+  std::vector<std::vector<Score>> scores;  // (contenders, numbers)
+};
+
+// In the order of the rows.
+std::vector<Block> summarize(std::span<const Row> rows);
+
+// The scores of a block; cells without value show the outcome. A number that is not applicable to
+// this scene is left out; no rows if none is left.
+Table to_table(const Block& block);
+
+// "brick_wall: friction=0.5, step 0.001 s"
+std::string scene_label(const Block& block);
+
+// Four significant digits.
+std::string short_number(double value);
+// "0.0123", "0.0123 [0.01 .. 0.02] (7 of 8)" or the outcome.
+std::string score_text(const Score& score);
+
+}  // namespace brickbench
