@@ -1,24 +1,60 @@
 #!/usr/bin/env bash
-# splice-readme.sh RESULTS: puts the first table of RESULTS/report.md between the markers of
-# README.md, with the command that made it. README.md changes only if the report has a table.
+# splice-readme.sh RESULTS: puts the numbers of the first scene of RESULTS/report.md between the
+# markers of README.md: one row per engine, the columns below, and what made them. Nothing is
+# retyped; README.md stays as it was if the report lacks a column.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+columns='energy_final_j,energy_created_j,linear_momentum_error_relative,penetration_max_m,bricks_displaced,median ms'
+
+die() { echo "splice-readme: $*" >&2; exit 2; }
+
 report=${1:?usage: scripts/splice-readme.sh RESULTS-FOLDER}/report.md
-if [ ! -r "$report" ]; then
-  echo "splice-readme: there is no $report" >&2
-  exit 2
-fi
-table=$(awk '/^\|/ { print; found = 1; next } found { exit }' "$report")
-if [ -z "$table" ]; then
-  echo "splice-readme: $report has no table" >&2
-  exit 2
-fi
+if [ ! -r "$report" ]; then die "there is no $report"; fi
 for marker in BEGIN END; do
   if [ "$(grep -c "^<!-- $marker results" README.md)" -ne 1 ]; then
-    echo "splice-readme: README.md must have one line '<!-- $marker results -->'" >&2
-    exit 2
+    die "README.md must have one line '<!-- $marker results -->'"
   fi
 done
+
+table=$(awk -F '|' -v wanted="$columns" '
+  function trimmed(text) { gsub(/^ +| +$/, "", text); return text }
+  /^## / {
+    ++section
+    if (!scene && /step/) { scene = substr($0, 4); inside = section }
+    cost = /^## Cost/
+  }
+  /^on .* revision / { made = $0 }
+  /^\|/ && ((inside && section == inside) || cost) {
+    if (!in_table) {
+      for (i = 2; i < NF; ++i) name[i] = trimmed($i)
+      in_table = 1
+    } else if ($2 !~ /^-+:?$/) {
+      engine = trimmed($2)
+      if (!(engine in seen)) { seen[engine] = 1; order[++engines] = engine }
+      for (i = 3; i < NF; ++i)
+        if (!((engine, name[i]) in value)) value[engine, name[i]] = trimmed($i)
+    }
+    next
+  }
+  { in_table = 0 }
+  END {
+    if (!scene || !engines) exit 1
+    n = split(wanted, column, ",")
+    head = "| engine |"; rule = "|---|"
+    for (c = 1; c <= n; ++c) { head = head " " column[c] " |"; rule = rule "---:|" }
+    print scene ":\n"; print head; print rule
+    for (e = 1; e <= engines; ++e) {
+      line = "| " order[e] " |"
+      for (c = 1; c <= n; ++c) {
+        if ((order[e], column[c]) in value) found[column[c]] = 1
+        line = line " " (((order[e], column[c]) in value) ? value[order[e], column[c]] : "-") " |"
+      }
+      print line
+    }
+    for (c = 1; c <= n; ++c) if (!(column[c] in found)) exit 1
+    print "\nBest in bold, worst in italics; measured " made
+  }' "$report") || die "$report has no scene with the columns $columns"
+
 new=$(mktemp README.XXXXXX)
 trap 'rm -f "$new"' EXIT
 TABLE=$table awk '
@@ -26,4 +62,4 @@ TABLE=$table awk '
   /^<!-- END results/ { skip = 0 }
   !skip' README.md >"$new"
 cat "$new" >README.md
-echo "splice-readme: README.md has the table of $report"
+echo "splice-readme: README.md has the numbers of $report"
