@@ -82,16 +82,14 @@ void DeepestOverlap::sort_along_longest_axis() {
 }
 
 void DeepestOverlap::sweep() {
-  const auto& [low_m, along_u_m, along_v_m] = bounds_.low_m;
-  const auto& [high_m, up_to_u_m, up_to_v_m] = bounds_.high_m;
+  const auto& [low_m, low_u_m, low_v_m] = bounds_.low_m;
+  const auto& [high_m, high_u_m, high_v_m] = bounds_.high_m;
   for (std::size_t n = 0; n < order_.size(); ++n) {
     for (std::size_t m = n + 1; m < order_.size(); ++m) {
       if (high_m[n] - low_m[m] <= deepest_.depth_m) break;
-      const double overlap_u_m =
-          std::min(up_to_u_m[n], up_to_u_m[m]) - std::max(along_u_m[n], along_u_m[m]);
-      const double overlap_v_m =
-          std::min(up_to_v_m[n], up_to_v_m[m]) - std::max(along_v_m[n], along_v_m[m]);
-      if (std::min(overlap_u_m, overlap_v_m) <= deepest_.depth_m) continue;
+      const double part_u_m = std::min(high_u_m[n] - low_u_m[m], high_u_m[m] - low_u_m[n]);
+      const double part_v_m = std::min(high_v_m[n] - low_v_m[m], high_v_m[m] - low_v_m[n]);
+      if (std::min(part_u_m, part_v_m) <= deepest_.depth_m) continue;
       look_at(order_[n], order_[m]);
     }
   }

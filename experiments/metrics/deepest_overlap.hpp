@@ -2,7 +2,7 @@
 // Non-Penetrating Rigid Bodies, 1992, section 2.3.2) joined with branch and bound.
 //
 // Only the worst pair is wanted. A translation along a world axis that parts the two bounding boxes
-// parts the bodies too, so the overlap of the boxes bounds the depth from above; pairs whose bound
+// parts the bodies too, so its length bounds the depth from above; pairs whose bound
 // is not above the deepest found so far are never looked at. The worst pair of the step before goes
 // first. The result is exact: that of all pairs, up to rounding.
 #pragma once
