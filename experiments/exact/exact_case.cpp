@@ -1,0 +1,86 @@
+#include "experiments/exact/exact_case.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace brickbench::exact {
+
+Parameter real(std::string name, std::string unit, double default_value, double minimum,
+               double maximum, std::string meaning) {
+  Parameter parameter;
+  parameter.name = std::move(name);
+  parameter.unit = std::move(unit);
+  parameter.default_value = default_value;
+  parameter.minimum = minimum;
+  parameter.maximum = maximum;
+  parameter.meaning = std::move(meaning);
+  return parameter;
+}
+
+std::vector<Parameter> with_time(std::vector<Parameter> own, double step_s, double duration_s) {
+  own.push_back(real("step_s", "s", step_s, 1e-6, 0.1, "time step"));
+  own.push_back(real("duration_s", "s", duration_s, 1e-6, 1e4, "simulated time"));
+  return own;
+}
+
+Expected<ParameterValues> complete(const ExactCase& exact_case, const ParameterValues& given) {
+  ParameterValues values;
+  for (const Parameter& parameter : exact_case.parameters) {
+    values[parameter.name] = parameter.default_value;
+  }
+  for (const auto& [name, value] : given) {
+    const auto found =
+        std::ranges::find_if(exact_case.parameters, [&](const auto& p) { return p.name == name; });
+    if (found == exact_case.parameters.end()) {
+      return fail(Fault::invalid,
+                  fmt::format("case {} has no parameter '{}'", exact_case.id, name));
+    }
+    const double* number = std::get_if<double>(&value);
+    if (number == nullptr || !(*number >= found->minimum && *number <= found->maximum)) {
+      return fail(Fault::invalid,
+                  fmt::format("case {}: {} must be a number in {} .. {} {}", exact_case.id, name,
+                              found->minimum, found->maximum, found->unit));
+    }
+    values[name] = *number;
+  }
+  return values;
+}
+
+double value_of(const ParameterValues& values, std::string_view name) {
+  return std::get<double>(values.find(name)->second);
+}
+
+Expected<ExactRun> build(const ExactCase& exact_case, const ParameterValues& given) {
+  auto values = complete(exact_case, given);
+  if (!values) return tl::unexpected(values.error());
+  ExactRun run = exact_case.make(*values);
+  if (auto ok = validate(run.world); !ok) return tl::unexpected(ok.error());
+  return run;
+}
+
+Recorder::Recorder(const ExactRun& run, std::size_t observables)
+    : measure_(run.measure), values_(observables, std::numeric_limits<double>::quiet_NaN()) {}
+
+std::vector<double> measured_trajectory(const ExactRun& run, std::size_t observables) {
+  if (!run.trajectory) return {};
+  Recorder recorder(run, observables);
+  std::vector<State> states(run.world.bodies.size());
+  std::vector<Wrench> wrenches(states.size());
+  for (std::size_t step = 0; step <= run.steps; ++step) {
+    const double time_s = static_cast<double>(step) * run.step_s;
+    for (std::size_t i = 0; i < states.size(); ++i) states[i] = run.world.bodies[i].initial;
+    run.trajectory(time_s, states);
+    recorder.see({.step = step,
+                  .time_s = time_s,
+                  .states = states,
+                  .wrenches = wrenches,
+                  .contacts = nullptr,
+                  .diagnostics = {}});
+  }
+  return recorder.values();
+}
+
+}  // namespace brickbench::exact

@@ -1,0 +1,453 @@
+#include "experiments/exact/scheme_map.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace brickbench::exact {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double k_minimum_impedance = 1e-4;  // MuJoCo: mjMINIMP and mjMAXIMP
+constexpr double k_maximum_impedance = 0.9999;
+
+Matrix3d cross_matrix(const Vector3d& v) {
+  Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+Vector3d euler_rate(const Vector3d& inertia, const Vector3d& spin, const Vector3d& torque) {
+  return (torque - spin.cross(inertia.cwiseProduct(spin))).cwiseQuotient(inertia);
+}
+
+Quaterniond exponential(const Vector3d& angle_rad) {
+  const double angle = angle_rad.norm();
+  if (angle == 0.0) return Quaterniond::Identity();
+  const Vector3d v = angle_rad * (std::sin(0.5 * angle) / angle);
+  return {std::cos(0.5 * angle), v.x(), v.y(), v.z()};
+}
+
+// Classical Runge-Kutta for the spin; the attitude advances by the exponential of the weighted mean
+// of the stages' spins in body axes.
+void runge_kutta_rotation(const Vector3d& inertia, const Vector3d& torque_world, double h,
+                          State& state) {
+  const Quaterniond q0 = state.orientation;
+  const Vector3d w0 = q0.conjugate() * state.angular_velocity_radps;
+  std::array<Vector3d, 4> spin;
+  std::array<Vector3d, 4> rate;
+  const std::array<double, 4> share = {0.0, 0.5, 0.5, 1.0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    spin[i] = i == 0 ? w0 : Vector3d(w0 + share[i] * h * rate[i - 1]);
+    const Quaterniond q = i == 0 ? q0 : (q0 * exponential(share[i] * h * spin[i - 1])).normalized();
+    rate[i] = euler_rate(inertia, spin[i], q.conjugate() * torque_world);
+  }
+  const Vector3d mean_spin = (spin[0] + 2.0 * spin[1] + 2.0 * spin[2] + spin[3]) / 6.0;
+  const Vector3d mean_rate = (rate[0] + 2.0 * rate[1] + 2.0 * rate[2] + rate[3]) / 6.0;
+  state.orientation = (q0 * exponential(h * mean_spin)).normalized();
+  state.angular_velocity_radps = state.orientation * Vector3d(w0 + h * mean_rate);
+}
+
+void advance_position(PositionRule rule, const Vector3d& old_velocity, double h, State& state) {
+  switch (rule) {
+    case PositionRule::old_velocity:
+      state.position_m += h * old_velocity;
+      break;
+    case PositionRule::new_velocity:
+      state.position_m += h * state.velocity_mps;
+      break;
+    case PositionRule::mean_velocity:
+    case PositionRule::runge_kutta_4:
+      state.position_m += 0.5 * h * (old_velocity + state.velocity_mps);
+      break;
+  }
+}
+
+double impedance(const CompliantContact& c, double gap_m) {
+  const double start = std::clamp(c.impedance_start, k_minimum_impedance, k_maximum_impedance);
+  const double end = std::clamp(c.impedance_end, k_minimum_impedance, k_maximum_impedance);
+  if (start == end || c.impedance_width_m <= 0.0) return 0.5 * (start + end);
+  const double x = std::abs(gap_m) / c.impedance_width_m;
+  if (x >= 1.0) return end;
+  double y = x;
+  const double p = c.impedance_power;
+  if (p > 1.0) {
+    y = x <= c.impedance_midpoint
+            ? std::pow(x, p) / std::pow(c.impedance_midpoint, p - 1.0)
+            : 1.0 - std::pow(1.0 - x, p) / std::pow(1.0 - c.impedance_midpoint, p - 1.0);
+  }
+  return start + y * (end - start);
+}
+
+// Velocity of the material point of a body, and how an impulse there changes it.
+struct Arm {
+  double inverse_mass = 0.0;
+  Matrix3d inverse_inertia = Matrix3d::Zero();
+  Vector3d lever = Vector3d::Zero();
+};
+
+Arm arm_of(const World& world, std::size_t i, const State& state, const PointContact& contact) {
+  const Body& body = world.bodies[i];
+  Arm arm;
+  if (body.fixed) return arm;
+  arm.inverse_mass = 1.0 / body.mass_kg;
+  if (contact.central) return arm;
+  const Matrix3d r = state.orientation.toRotationMatrix();
+  arm.inverse_inertia = r * body.inertia_kgm2.cwiseInverse().asDiagonal() * r.transpose();
+  arm.lever = contact.position_m - state.position_m;
+  return arm;
+}
+
+double inverse_mass_along(const Arm& arm, const Vector3d& direction) {
+  const Vector3d turn = arm.lever.cross(direction);
+  return arm.inverse_mass + turn.dot(arm.inverse_inertia * turn);
+}
+
+Vector3d point_velocity(const Arm& arm, const State& state) {
+  if (arm.inverse_mass == 0.0) return Vector3d::Zero();
+  return state.velocity_mps + state.angular_velocity_radps.cross(arm.lever);
+}
+
+void push(const Arm& arm, const Vector3d& impulse, State& state) {
+  state.velocity_mps += arm.inverse_mass * impulse;
+  state.angular_velocity_radps += arm.inverse_inertia * arm.lever.cross(impulse);
+}
+
+// The friction impulse (N s) on b against the slip; the tangential response is isotropic with
+// inverse mass k, and does not couple to the normal.
+Vector3d friction_impulse(FrictionSet set, const Vector3d& slip_mps, double k, double limit_ns,
+                          const Vector3d& normal) {
+  const Vector3d stick = -slip_mps / k;
+  if (set == FrictionSet::circle) {
+    return stick.norm() <= limit_ns ? stick : Vector3d(stick * (limit_ns / stick.norm()));
+  }
+  // Fixed tangents: the world axes for a normal along z.
+  const Vector3d t1 = std::abs(normal.x()) < 0.9
+                          ? Vector3d(Vector3d::UnitX() - normal.x() * normal)
+                          : Vector3d(Vector3d::UnitY() - normal.y() * normal);
+  const Vector3d u = t1.normalized();
+  const Vector3d v = normal.cross(u);
+  return u * std::clamp(stick.dot(u), -limit_ns, limit_ns) +
+         v * std::clamp(stick.dot(v), -limit_ns, limit_ns);
+}
+
+// A contact that acts in this step, with the velocity that it asks for.
+struct Row {
+  const PointContact* contact = nullptr;
+  Arm a, b;
+  double target_mps = 0.0;
+  double inverse_mass = 0.0;  // along the normal, with the softness of the contact
+  double impulse_ns = 0.0;
+};
+
+Vector3d slip_velocity(const Row& row, std::span<const State> states) {
+  return point_velocity(row.b, states[row.contact->body_b]) -
+         point_velocity(row.a, states[row.contact->body_a]);
+}
+
+void push_pair(const Row& row, const Vector3d& impulse, std::span<State> states) {
+  push(row.a, -impulse, states[row.contact->body_a]);
+  push(row.b, impulse, states[row.contact->body_b]);
+}
+
+std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
+                             const std::vector<PointContact>& contacts,
+                             std::span<const State> before) {
+  std::vector<Row> rows;
+  for (const PointContact& contact : contacts) {
+    if (contact.gap_m > scheme.impulse->margin_m) continue;
+    Row row;
+    row.contact = &contact;
+    row.a = arm_of(run.world, contact.body_a, before[contact.body_a], contact);
+    row.b = arm_of(run.world, contact.body_b, before[contact.body_b], contact);
+    const ContactLaw law = contact_law(run.world, contact.body_a, contact.body_b);
+    row.target_mps =
+        target_velocity_mps(*scheme.impulse, law.restitution, contact.gap_m,
+                            contact.normal.dot(slip_velocity(row, before)), run.step_s);
+    row.inverse_mass = inverse_mass_along(row.a, contact.normal) +
+                       inverse_mass_along(row.b, contact.normal) +
+                       scheme.impulse->softness_per_kgs / (run.step_s * contact.points);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// The complementarity problem of all normal impulses at once: each impulse pushes or its contact
+// separates faster than asked. Projected Gauss-Seidel to rounding; one row needs one pass.
+void solve_normals(const Scheme& scheme, double h, std::vector<Row>& rows,
+                   std::span<State> states) {
+  constexpr int k_most_passes = 100000;
+  for (int pass = 0; pass < k_most_passes; ++pass) {
+    double change = 0.0;
+    for (Row& row : rows) {
+      const Vector3d& n = row.contact->normal;
+      const double softness = scheme.impulse->softness_per_kgs / (h * row.contact->points);
+      const double lacking =
+          row.target_mps - n.dot(slip_velocity(row, states)) - softness * row.impulse_ns;
+      const double next = std::max(0.0, row.impulse_ns + lacking / row.inverse_mass);
+      push_pair(row, (next - row.impulse_ns) * n, states);
+      change = std::max(change, std::abs(next - row.impulse_ns) * row.inverse_mass);
+      row.impulse_ns = next;
+    }
+    if (rows.size() < 2 || change < 1e-17) return;
+  }
+}
+
+void solve_friction(const Scheme& scheme, const ContactLaw& law, double h, const Row& row,
+                    std::span<State> states) {
+  const Vector3d& n = row.contact->normal;
+  const Vector3d velocity = slip_velocity(row, states);
+  const Vector3d slip = velocity - n.dot(velocity) * n;
+  const Vector3d along = n.unitOrthogonal();
+  const double response = inverse_mass_along(row.a, along) + inverse_mass_along(row.b, along) +
+                          scheme.impulse->softness_per_kgs / (h * row.contact->points);
+  push_pair(row,
+            friction_impulse(scheme.friction, slip, response, law.friction * row.impulse_ns, n),
+            states);
+}
+
+// Corrections that move positions alone share the depth like the impulse does.
+void shift_split(const Scheme& scheme, const World& world, const Row& row,
+                 std::span<State> states) {
+  const PointContact& contact = *row.contact;
+  if (contact.gap_m >= 0.0 || contact.gap_m > scheme.impulse->split_at_gap_m) return;
+  const double share = scheme.impulse->error_reduction * -contact.gap_m / row.inverse_mass;
+  const auto move = [&](std::size_t i, double sign) {
+    if (world.bodies[i].fixed) return;
+    states[i].position_m += sign * share / world.bodies[i].mass_kg * contact.normal;
+  };
+  move(contact.body_a, -1.0);
+  move(contact.body_b, 1.0);
+}
+
+bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
+                     const std::vector<PointContact>& contacts, std::span<State> states,
+                     std::string& why) {
+  const double h = run.step_s;
+  const std::vector<State> before(states.begin(), states.end());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const Body& body = run.world.bodies[i];
+    if (body.fixed) continue;
+    const State free =
+        next_free_state(scheme, body, before[i], wrenches[i], run.world.gravity_mps2, h);
+    states[i].velocity_mps = free.velocity_mps;
+    states[i].angular_velocity_radps = free.angular_velocity_radps;
+  }
+  std::vector<Row> rows = active_rows(scheme, run, contacts, before);
+  const auto has_friction = [&](const Row& row) {
+    return contact_law(run.world, row.contact->body_a, row.contact->body_b).friction > 0.0;
+  };
+  if (rows.size() > 1 && std::ranges::any_of(rows, has_friction)) {
+    why = "several contacts with friction act in one step";
+    return false;
+  }
+  solve_normals(scheme, h, rows, states);
+  if (rows.size() == 1 && has_friction(rows[0])) {
+    const ContactLaw law = contact_law(run.world, rows[0].contact->body_a, rows[0].contact->body_b);
+    solve_friction(scheme, law, h, rows[0], states);
+  }
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (run.world.bodies[i].fixed) continue;
+    advance_position(scheme.position, before[i].velocity_mps, h, states[i]);
+    states[i].orientation =
+        next_attitude(scheme.attitude, before[i].orientation, states[i].angular_velocity_radps, h);
+  }
+  for (const Row& row : rows) shift_split(scheme, run.world, row, states);
+  return true;
+}
+
+// One moving body on one compliant, frictionless, central contact; gravity and force along the
+// normal included. Runge-Kutta evaluates the contact in each stage.
+bool advance_compliant(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
+                       const PointContact& contact, std::span<State> states, std::string& why) {
+  const std::size_t i = contact.body_b;
+  const Body& body = run.world.bodies[i];
+  const ContactLaw law = contact_law(run.world, contact.body_a, i);
+  if (!run.world.bodies[contact.body_a].fixed) {
+    why = "a compliant contact between two moving bodies is not predicted";
+    return false;
+  }
+  if (law.restitution > 0.0) {
+    why = "a compliant contact has no coefficient of restitution";
+    return false;
+  }
+  if (law.friction > 0.0) {
+    why = "friction at a compliant contact is not predicted";
+    return false;
+  }
+  const Vector3d free = run.world.gravity_mps2 + wrenches[i].force_n / body.mass_kg;
+  const double h = run.step_s;
+  const Vector3d& n = contact.normal;
+  const Vector3d x0 = states[i].position_m;
+  const Vector3d v0 = states[i].velocity_mps;
+  const auto acceleration = [&](const Vector3d& x, const Vector3d& v) -> Vector3d {
+    const double gap = contact.gap_m + n.dot(x - x0);
+    if (gap >= 0.0) return free;
+    const double along = compliant_acceleration_mps2(*scheme.compliant, gap, n.dot(v), n.dot(free),
+                                                     contact.points, h);
+    return free + (along - n.dot(free)) * n;
+  };
+  State& s = states[i];
+  if (scheme.position == PositionRule::runge_kutta_4) {
+    const Vector3d a1 = acceleration(x0, v0);
+    const Vector3d v2 = v0 + 0.5 * h * a1, a2 = acceleration(x0 + 0.5 * h * v0, v2);
+    const Vector3d v3 = v0 + 0.5 * h * a2, a3 = acceleration(x0 + 0.5 * h * v2, v3);
+    const Vector3d v4 = v0 + h * a3, a4 = acceleration(x0 + h * v3, v4);
+    s.position_m = x0 + h / 6.0 * (v0 + 2.0 * v2 + 2.0 * v3 + v4);
+    s.velocity_mps = v0 + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  } else {
+    s.velocity_mps = v0 + h * acceleration(x0, v0);
+    advance_position(scheme.position, v0, h, s);
+  }
+  return true;
+}
+
+}  // namespace
+
+Vector3d next_spin_radps(GyroscopicRule rule, const Vector3d& inertia_kgm2,
+                         const Vector3d& spin_radps, const Vector3d& torque_nm, double step_s) {
+  const double h = step_s;
+  const Vector3d& w = spin_radps;
+  const Vector3d momentum = inertia_kgm2.cwiseProduct(w);
+  const Vector3d pushed = h * torque_nm.cwiseQuotient(inertia_kgm2);
+  const Matrix3d inertia = inertia_kgm2.asDiagonal();
+  switch (rule) {
+    case GyroscopicRule::neglected:
+      return w + pushed;
+    case GyroscopicRule::explicit_body:
+    case GyroscopicRule::runge_kutta_4:
+      return w + h * euler_rate(inertia_kgm2, w, Vector3d::Zero()) + pushed;
+    case GyroscopicRule::newton_body: {
+      const Matrix3d jacobian = inertia + h * (cross_matrix(w) * inertia - cross_matrix(momentum));
+      return w - jacobian.partialPivLu().solve(h * w.cross(momentum)) + pushed;
+    }
+    case GyroscopicRule::frozen_momentum:
+      return (inertia - h * cross_matrix(momentum)).partialPivLu().solve(momentum) + pushed;
+  }
+  return w;
+}
+
+Quaterniond next_attitude(AttitudeRule rule, const Quaterniond& orientation,
+                          const Vector3d& angular_velocity_radps, double step_s) {
+  if (rule == AttitudeRule::exponential) {
+    return (exponential(step_s * angular_velocity_radps) * orientation).normalized();
+  }
+  const Vector3d half = 0.5 * step_s * angular_velocity_radps;
+  const Quaterniond turn = Quaterniond(0.0, half.x(), half.y(), half.z()) * orientation;
+  return Quaterniond(orientation.coeffs() + turn.coeffs()).normalized();
+}
+
+State next_free_state(const Scheme& scheme, const Body& body, const State& state,
+                      const Wrench& wrench, const Vector3d& gravity_mps2, double step_s) {
+  State next = state;
+  next.velocity_mps += step_s * (gravity_mps2 + wrench.force_n / body.mass_kg);
+  advance_position(scheme.position, state.velocity_mps, step_s, next);
+  if (scheme.gyroscopic == GyroscopicRule::runge_kutta_4) {
+    runge_kutta_rotation(body.inertia_kgm2, wrench.torque_nm, step_s, next);
+    return next;
+  }
+  const Quaterniond to_body = state.orientation.conjugate();
+  const Vector3d spin =
+      next_spin_radps(scheme.gyroscopic, body.inertia_kgm2, to_body * state.angular_velocity_radps,
+                      to_body * wrench.torque_nm, step_s);
+  next.angular_velocity_radps = state.orientation * spin;
+  next.orientation =
+      next_attitude(scheme.attitude, state.orientation, next.angular_velocity_radps, step_s);
+  return next;
+}
+
+double target_velocity_mps(const ImpulseContact& contact, double restitution, double gap_m,
+                           double velocity_mps, double step_s) {
+  if (gap_m > contact.margin_m) return -std::numeric_limits<double>::infinity();
+  const double speed = -velocity_mps;
+  const double rebound =
+      speed > 0.0 && speed >= contact.restitution_threshold_mps ? restitution * speed : 0.0;
+  if (gap_m > 0.0) return rebound - (contact.approach_allowed ? gap_m / step_s : 0.0);
+  const bool split = gap_m <= contact.split_at_gap_m;
+  const double correction =
+      split ? 0.0 : std::min(contact.error_reduction * -gap_m / step_s, contact.max_correction_mps);
+  return contact.sum_of_targets ? rebound + correction : std::max(rebound, correction);
+}
+
+double compliant_acceleration_mps2(const CompliantContact& contact, double gap_m,
+                                   double velocity_mps, double free_acceleration_mps2, int points,
+                                   double step_s) {
+  const double time = contact.time_constant_at_least_two_steps
+                          ? std::max(contact.time_constant_s, 2.0 * step_s)
+                          : contact.time_constant_s;
+  const double d_end = std::clamp(contact.impedance_end, k_minimum_impedance, k_maximum_impedance);
+  const double stiffness =
+      1.0 / (d_end * d_end * time * time * contact.damping_ratio * contact.damping_ratio);
+  const double damping = 2.0 / (d_end * time);
+  const double d = impedance(contact, gap_m);
+  const double reference = -damping * velocity_mps - stiffness * d * gap_m;
+  if (reference <= free_acceleration_mps2) return free_acceleration_mps2;
+  const double weight = points * d;
+  return ((1.0 - d) * free_acceleration_mps2 + weight * reference) / (1.0 - d + weight);
+}
+
+bool advance(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
+             std::span<State> states, std::string& why) {
+  std::vector<PointContact> contacts;
+  if (run.geometry) run.geometry(states, contacts);
+  if (run.geometry && scheme.impulse) {
+    return advance_impulse(scheme, run, wrenches, contacts, states, why);
+  }
+  if (run.geometry && !scheme.compliant) {
+    why = "the scheme states no contact map";
+    return false;
+  }
+  if (run.geometry && contacts.size() == 1 && contacts[0].central) {
+    return advance_compliant(scheme, run, wrenches, contacts[0], states, why);
+  }
+  if (run.geometry) {
+    why = "a compliant contact with a lever is not predicted";
+    return false;
+  }
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (run.world.bodies[i].fixed) continue;
+    states[i] = next_free_state(scheme, run.world.bodies[i], states[i], wrenches[i],
+                                run.world.gravity_mps2, run.step_s);
+  }
+  return true;
+}
+
+std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, const ExactRun& run,
+                                                  const Scheme& scheme, std::string* why) {
+  std::string reason;
+  std::string& out = why == nullptr ? reason : *why;
+  if (exact_case.needs.contacts != Contacts::none && !run.geometry) {
+    out = "no closed map: several contacts share the load";
+    return std::nullopt;
+  }
+  Recorder recorder(run, exact_case.observables.size());
+  std::vector<State> states;
+  for (const Body& body : run.world.bodies) states.push_back(body.initial);
+  std::vector<Wrench> wrenches(states.size());
+  recorder.see({.step = 0,
+                .time_s = 0.0,
+                .states = states,
+                .wrenches = wrenches,
+                .contacts = nullptr,
+                .diagnostics = {}});
+  for (std::size_t step = 0; step < run.steps; ++step) {
+    const double start_s = static_cast<double>(step) * run.step_s;
+    std::ranges::fill(wrenches, Wrench{});
+    if (run.load) run.load(step, start_s, wrenches);
+    if (!advance(scheme, run, wrenches, states, out)) return std::nullopt;
+    recorder.see({.step = step + 1,
+                  .time_s = static_cast<double>(step + 1) * run.step_s,
+                  .states = states,
+                  .wrenches = wrenches,
+                  .contacts = nullptr,
+                  .diagnostics = {}});
+  }
+  return recorder.values();
+}
+
+}  // namespace brickbench::exact

@@ -1,0 +1,49 @@
+// The discrete maps: what one step of a documented scheme does to free bodies and to bodies at one
+// contact, in closed form. No collision detection, no solver: the case supplies the geometry.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "adapters/seam/scheme.hpp"
+#include "adapters/seam/world.hpp"
+#include "experiments/exact/exact_case.hpp"
+
+namespace brickbench::exact {
+
+// Angular velocity (rad/s, body axes) after one step h (s) under the torque (N m, body axes), for
+// principal inertia (kg m2).
+// newton_body: E. Catto, "Numerical Methods", GDC 2015 (one Newton iteration on implicit Euler).
+// frozen_momentum: C. Lacoursiere, "Stabilizing gyroscopic forces in rigid multibody simulations",
+// 2006.
+Eigen::Vector3d next_spin_radps(GyroscopicRule rule, const Eigen::Vector3d& inertia_kgm2,
+                                const Eigen::Vector3d& spin_radps, const Eigen::Vector3d& torque_nm,
+                                double step_s);
+
+// q+ of a body-to-world orientation under a world angular velocity held for h.
+Eigen::Quaterniond next_attitude(AttitudeRule rule, const Eigen::Quaterniond& orientation,
+                                 const Eigen::Vector3d& angular_velocity_radps, double step_s);
+
+// One step of a free body under the wrench and gravity.
+State next_free_state(const Scheme& scheme, const Body& body, const State& state,
+                      const Wrench& wrench, const Eigen::Vector3d& gravity_mps2, double step_s);
+
+// Normal velocity (m/s) that the step must at least reach at a contact whose gap (m) and normal
+// velocity (m/s, before this step's forces) are given; -infinity where no contact row exists.
+double target_velocity_mps(const ImpulseContact& contact, double restitution, double gap_m,
+                           double velocity_mps, double step_s);
+
+// Acceleration (m/s2) of a compliant contact of `points` equal points, each of which sees
+// diagonal 1/mass = inverse mass of the whole: a = ((1-d) a_free + n d a_ref) / (1 - d + n d) where
+// that pushes, else a_free. Todorov, "Convex and analytically-invertible dynamics with contacts and
+// constraints", ICRA 2014; MuJoCo manual, "Computation: parameters of the constraint".
+double compliant_acceleration_mps2(const CompliantContact& contact, double gap_m,
+                                   double velocity_mps, double free_acceleration_mps2, int points,
+                                   double step_s);
+
+// Advances all states (bodies) by one step; false, with a reason, where the scheme leaves it open.
+bool advance(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
+             std::span<State> states, std::string& why);
+
+}  // namespace brickbench::exact
