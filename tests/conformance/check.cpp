@@ -1,0 +1,84 @@
+#include "tests/conformance/check.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace brickbench::testing {
+
+Expected<std::unique_ptr<Simulation>> Subject::build(const World& world, double step_s) const {
+  Settings settings;
+  settings.step_s = step_s;
+  settings.variant = variant;
+  return brickbench::build(adapter, world, settings);
+}
+
+std::vector<Check> all_checks() {
+  std::vector<Check> all;
+  for (const auto& part :
+       {motion_checks(), contact_checks(), repetition_checks(), bookkeeping_checks()}) {
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
+}
+
+Verdict passed() { return {}; }
+Verdict failed(std::string detail) { return {Outcome::failed, std::move(detail)}; }
+
+Verdict within(const Worst& worst, const Tolerance& tolerance) {
+  const auto result = worst.within(tolerance);
+  return {result ? Outcome::passed : Outcome::failed, result.message()};
+}
+
+Verdict guarded(const std::function<Verdict()>& body) {
+  try {
+    return body();
+  } catch (const Stop& stop) {
+    return stop.verdict;
+  } catch (const std::exception& error) {
+    return failed(fmt::format("an exception left the engine: {}", error.what()));
+  }
+}
+
+namespace {
+
+[[noreturn]] void stop_on(const Failure& failure, bool may_refuse, const std::string& where) {
+  const bool refused = may_refuse && failure.fault == Fault::unsupported && !failure.reason.empty();
+  throw Stop{{refused ? Outcome::refused : Outcome::failed,
+              fmt::format("{} {}: {}", where, to_outcome(failure.fault), failure.reason)}};
+}
+
+}  // namespace
+
+std::unique_ptr<Simulation> must_build(const Subject& subject, const World& world, double step_s,
+                                       bool may_refuse) {
+  auto built = subject.build(world, step_s);
+  if (!built) stop_on(built.error(), may_refuse, "building");
+  return std::move(*built);
+}
+
+States read(const Simulation& simulation, const World& world) {
+  States states(world.bodies.size());
+  simulation.read(states);
+  return states;
+}
+
+States step_and_read(Simulation& simulation, const World& world, bool may_refuse) {
+  if (auto stepped = simulation.step(); !stepped) stop_on(stepped.error(), may_refuse, "stepping");
+  States states = read(simulation, world);
+  if (!std::ranges::all_of(states, is_finite)) throw Stop{failed("a state is not finite")};
+  return states;
+}
+
+States run(const Subject& subject, const World& world, double step_s, int steps, bool may_refuse,
+           const std::function<void(int, const States&)>& watch) {
+  const auto simulation = must_build(subject, world, step_s, may_refuse);
+  States states = read(*simulation, world);
+  for (int k = 1; k <= steps; ++k) {
+    states = step_and_read(*simulation, world, may_refuse);
+    if (watch) watch(k, states);
+  }
+  return states;
+}
+
+}  // namespace brickbench::testing
