@@ -50,6 +50,11 @@ const std::vector<std::string>& adapter_rooms() {
   return rooms;
 }
 
+bool is_of_adapters(const std::string& path) {
+  return std::ranges::any_of(adapter_rooms(),
+                             [&](const std::string& room) { return is_below(path, room); });
+}
+
 // The files of an engine's adapter and its tests: NAME* in one of the rooms above.
 bool belongs_to(const std::string& path, const std::string& engine) {
   return std::ranges::any_of(adapter_rooms(), [&](const std::string& room) {
@@ -131,9 +136,7 @@ std::vector<Finding> check_engine_names(const Tree& tree) {
   const std::string comparison = "(?:[=!]= *|find\\(|contains\\(|starts_with\\()" + selector;
   std::vector<Finding> findings;
   for (const auto& [path, content] : tree.files) {
-    const bool adapter = std::ranges::any_of(
-        adapter_rooms(), [&](const std::string& room) { return is_below(path, room); });
-    if (!is_cpp(path) || adapter || is_below(path, "tests/architecture")) continue;
+    if (!is_cpp(path) || is_of_adapters(path) || is_below(path, "tests/architecture")) continue;
     const bool test = is_below(path, "tests");
     for (const std::string& name :
          matches(without_comments(content), test ? comparison : selector)) {
@@ -151,7 +154,7 @@ std::vector<Finding> check_mixed_paths(const Tree& tree) {
       if (std::ranges::find(parts, engine) == parts.end()) continue;
       for (const std::string& scenario : scenario_names(tree)) {
         const std::vector<std::string> needle = words(scenario, "_");
-        if (!std::ranges::search(parts, needle).empty()) {
+        if (std::search(parts.begin(), parts.end(), needle.begin(), needle.end()) != parts.end()) {
           findings.push_back({"mixed path", path, "names " + engine + " and " + scenario});
         }
       }
