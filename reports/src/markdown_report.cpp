@@ -169,7 +169,7 @@ std::string reproduce_command(const Row& row, const std::string& plan_file) {
                                     "--engine",
                                     row.engine + '/' + row.variant};
   const auto set = [&](const std::string& setting) {
-    words.insert(words.end(), {"--set", setting});
+    words.insert(words.end(), {"--set", row.experiment + '.' + setting});
   };
   set("step_s=" + shortest(row.step_s));
   set("duration_s=" + shortest(row.duration_s));

@@ -1,0 +1,212 @@
+// The program from outside: exit codes, what goes to which stream, files, bytes.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "adapters/catalog.hpp"
+#include "experiments/record/csv.hpp"
+#include "experiments/record/file.hpp"
+#include "experiments/run/cell.hpp"
+#include "experiments/run/plan_files.hpp"
+#include "experiments/run/results.hpp"
+#include "reports/src/markdown_report.hpp"
+
+namespace brickbench::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Answer {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+class Program : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("brickbench_cli." + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override {
+    std::error_code error;
+    fs::permissions(folder_ / "locked", fs::perms::owner_all, error);
+    fs::remove_all(folder_);
+  }
+
+  Answer ask(const std::string& arguments) const {
+    const std::string command = std::string(BRICKBENCH_PROGRAM) + ' ' + arguments + " >" +
+                                path("out") + " 2>" + path("err");
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, *read_file(folder_ / "out"),
+            *read_file(folder_ / "err")};
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string put(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return path(name);
+  }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::recursive_directory_iterator(folder_), {}));
+  }
+
+  fs::path folder_;
+};
+
+constexpr const char* k_plan = R"(
+title = "t"
+[[experiment]]
+scenario = "free_brick"
+engines = ["all"]
+step_s = 0.01
+duration_s = 0.1
+)";
+
+bool any_engine() { return !adapters().empty(); }
+
+TEST_F(Program, RunWritesAFolderAndTheSameRowsTwice) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  const std::string plan = put("plan.toml", k_plan);
+  const Answer one = ask("run " + plan + " --out " + path("one"));
+  ASSERT_EQ(one.code, 0) << one.err;
+  EXPECT_NE(one.out.find("Results: " + path("one")), std::string::npos);
+  EXPECT_NE(one.err.find("[1/"), std::string::npos) << "progress goes to standard error";
+  EXPECT_EQ(one.out.find('\033'), std::string::npos) << "no colour into a file";
+  ASSERT_EQ(ask("run " + plan + " --out " + path("two")).code, 0);
+  for (const char* file : {"rows.csv", "series.csv", "plan.toml"}) {
+    EXPECT_EQ(*read_file(folder_ / "one" / file), *read_file(folder_ / "two" / file)) << file;
+  }
+  const auto results = read_results(folder_ / "one");
+  ASSERT_TRUE(results.has_value()) << results.error().reason;
+  EXPECT_FALSE(results->rows.empty());
+  EXPECT_EQ(markdown_report({results->rows, results->timings, &results->provenance}),
+            *read_file(folder_ / "one" / "report.md"))
+      << "the report follows from the files alone";
+}
+
+TEST_F(Program, NothingIsWrittenOver) {
+  const std::string plan = put("plan.toml", k_plan);
+  fs::create_directories(folder_ / "there");
+  const std::size_t before = files() + 2;  // out and err
+  const Answer answer = ask("run " + plan + " --out " + path("there"));
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_NE(answer.err.find("exists already"), std::string::npos) << answer.err;
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(Program, BadInputIsExitTwoWithAReasonAndLeavesNothing) {
+  const std::string plan = put("plan.toml", k_plan);
+  const std::string file = put("file", "");
+  const std::vector<std::pair<std::string, std::string>> table = {
+      {"", "subcommand"},
+      {"fly", ""},
+      {"run", "plan"},
+      {"run no_such_plan", "no such plan file"},
+      {"run " + plan + " --set step_s=0 --out " + path("x"), "--set step_s=0:1:8: step_s = 0"},
+      {"run " + plan + " --set stepp_s=1 --out " + path("x"), "did you mean 'step_s'?"},
+      {"run " + plan + " --engine nobody --out " + path("x"), "no engine 'nobody'"},
+      {"run " + plan + " --wrong", "--wrong"},
+      {"run " + plan + " --out " + file + "/x", "cannot create folder"},
+      {"run " + folder_.string(), "is a folder"},
+      {"list moons", "moons"},
+      {"run " + put("bad.toml", "title = 3\n"), "bad.toml:1:9: title must be a string"},
+  };
+  const std::size_t before = files() + 2;
+  std::string wrong;
+  for (const auto& [arguments, words] : table) {
+    const Answer answer = ask(arguments);
+    if (answer.code != 2 || answer.err.find(words) == std::string::npos || !answer.out.empty()) {
+      wrong += arguments + " -> " + std::to_string(answer.code) + ": " + answer.err + answer.out;
+    }
+  }
+  EXPECT_EQ(wrong, "");
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(Program, AFailedCellIsExitOneWithAllRows) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  const Answer answer = ask("run " + put("plan.toml", k_plan) +
+                            " --set time_limit_s=1e-12 --json --out " + path("x"));
+  EXPECT_EQ(answer.code, 1) << answer.err;
+  const auto json = nlohmann::json::parse(answer.out);
+  EXPECT_EQ(json["exit_code"], 1);
+  EXPECT_EQ(json["cells"].size(), adapters().size());
+  EXPECT_EQ(json["cells"][0]["outcome"], "timed_out");
+  EXPECT_TRUE(json["rows"][0]["value"].is_null());
+  EXPECT_TRUE(fs::exists(folder_ / "x" / "rows.csv"));
+}
+
+TEST_F(Program, ListsAreArraysOfObjectsWithIds) {
+  for (const char* what : {"engines", "scenarios", "metrics", "plans"}) {
+    const Answer answer = ask(std::string("list ") + what + " --json");
+    ASSERT_EQ(answer.code, 0) << what;
+    const auto json = nlohmann::json::parse(answer.out);
+    ASSERT_TRUE(json.is_array());
+    for (const auto& entry : json) EXPECT_TRUE(entry.contains("id")) << what;
+    const Answer text = ask(std::string("list ") + what);
+    EXPECT_EQ(text.code, 0);
+    for (const auto& entry : json) {
+      EXPECT_NE(text.out.find(entry["id"].get<std::string>()), std::string::npos) << what;
+    }
+  }
+  const auto engines = nlohmann::json::parse(ask("list engines --json").out);
+  EXPECT_EQ(engines.size(), adapters().size());
+}
+
+TEST_F(Program, DoctorKnowsTheMachine) {
+  const Answer answer = ask("doctor --json");
+  ASSERT_EQ(answer.code, 0);
+  const auto json = nlohmann::json::parse(answer.out);
+  EXPECT_GE(json["machine"]["cores"].get<int>(), 1);
+  EXPECT_EQ(json["engines"].size(), adapters().size());
+  EXPECT_EQ(ask("doctor").code, 0);
+  EXPECT_EQ(ask("--help").code, 0);
+}
+
+Catalogues linked() {
+  Catalogues catalogues{scenarios(), metrics(), adapters(), {}};
+  for (const char* known : {"bullet", "ode", "mujoco", "ourengine"}) {
+    catalogues.known_engines.emplace_back(known);
+  }
+  return catalogues;
+}
+
+TEST(Plans, AllThatShipAreReadAndExpanded) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  std::string wrong;
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator("experiments/plans")) {
+    ++count;
+    const auto plan = read_plan(entry.path(), linked());
+    if (!plan)
+      wrong += plan.error().text() + '\n';
+    else if (const auto cells = expand(*plan, linked()); !cells)
+      wrong += cells.error().text() + '\n';
+  }
+  EXPECT_EQ(wrong, "");
+  EXPECT_GE(count, 2U);
+}
+
+TEST(Documentation, ExamplesOfPlansAreValid) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  const std::string text = *read_file("docs/format.md");
+  const std::regex block("```toml\n([^`]*)```");
+  std::size_t count = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), block), end; it != end; ++it, ++count) {
+    const auto plan = parse_plan((*it)[1], "docs/format.md", linked());
+    ASSERT_TRUE(plan.has_value()) << plan.error().text();
+    const auto cells = expand(*plan, linked());
+    ASSERT_TRUE(cells.has_value()) << cells.error().text();
+  }
+  EXPECT_EQ(count, 2U);
+}
+
+}  // namespace
+}  // namespace brickbench::testing
