@@ -42,7 +42,7 @@ constexpr std::array k_knobs = {
     KnobRow{"noslip_iterations", "1", 0, 0, 0, 1e6, true,
             "iterations of the second solver against creep"},
     KnobRow{"cone", "1", 0, 1, 0, 1, true, "friction cone: 0 pyramidal, 1 elliptic"},
-    KnobRow{"contacts_per_body", "1", 10, 10, 0, 1e6, false,
+    KnobRow{"contacts_per_body", "1", 12, 12, 0, 1e6, false,
             "room for contacts: 50 plus this per moving body; memory grows with its square"},
     KnobRow{"warm_starting", "1", 1, 1, 0, 1, true, "1: start from the last step's acceleration"},
 };

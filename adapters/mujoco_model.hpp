@@ -28,7 +28,7 @@ using DataPtr = std::unique_ptr<mjData, FreeData>;
 struct ContactSettings {
   double time_constant_s = 0.02;  // "solref", first number
   double damping_ratio = 1.0;     // "solref", second number
-  double contacts_per_body = 10.0;
+  double contacts_per_body = 12.0;
 };
 
 // From now on MuJoCo's errors and warnings are thrown as EngineError instead of ending the process
