@@ -1,0 +1,80 @@
+// The solvers of a contact problem, all behind one signature, so that methods can be compared on
+// equal problems with one residual (residual.hpp). Theory, limits and sources: docs/contact.md.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "ourengine/contact/block_cholesky.hpp"
+#include "ourengine/contact/block_lu.hpp"
+#include "ourengine/contact/ordering.hpp"
+#include "ourengine/contact/problem.hpp"
+#include "ourengine/contact/residual.hpp"
+
+namespace ourengine {
+
+struct SolveOptions {
+  double tolerance = 1e-10;  // on the residual of the solver's law
+  int max_iterations = 0;    // of the solver's own unit; 0: its default
+};
+
+// Impulses to start from, one per contact of the problem; empty: a cold start.
+struct WarmStart {
+  std::vector<Eigen::Vector3d> impulses_ns;
+};
+
+// What may be kept from one solve to the next: symbolic factors and buffers. It changes the cost
+// of a solve, never its result.
+struct SolverMemory {
+  SymbolicCache symbolic;
+  BlockCholesky cholesky;
+  BlockLu lu;
+};
+
+// A problem that is not well formed (problem_error) is the caller's mistake. A solver that misses
+// its tolerance returns its best iterate, the residual it has, and why it stopped.
+using Solver = ContactSolution (*)(const ContactProblem& problem, const SolveOptions& options,
+                                   const WarmStart& warm, SolverMemory& memory);
+
+// The default of the accurate mode: the exact law, island by island. Warm impulses that are good
+// enough are kept; else a few warm steps of `alm`; else the interior point, which is exact where
+// nothing slips; else `newton`. `method` names what gave the result.
+ContactSolution solve_exact(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                            SolverMemory&);
+// Frictionless interior point: Mehrotra's predictor-corrector with a proximal term, in velocity
+// space. The law must be frictionless (mu = 0 at all contacts), else kUnsuitable.
+ContactSolution solve_ipm(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                          SolverMemory&);
+// Frictionless Lemke-Dantzig-Baraff pivoting on an incremental Cholesky factor; iterations are
+// pivots. kUnsuitable with friction. Starts cold always.
+ContactSolution solve_dantzig(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                              SolverMemory&);
+// Convex friction (ContactLaw::kConvex): second-order-cone interior point with Nesterov-Todd
+// scaling. Starts cold always.
+ContactSolution solve_socp(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                           SolverMemory&);
+// Augmented Lagrangian with semismooth Newton steps on Coulomb's cones; exact law, de Saxce's shift
+// taken from the previous outer iteration. For warm starts.
+ContactSolution solve_alm(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                          SolverMemory&);
+// The same method with the shift differentiated, hence with LU instead of Cholesky: for contacts
+// that slip. Iterations are Newton steps.
+ContactSolution solve_newton(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                             SolverMemory&);
+// Projected (nonsmooth) Gauss-Seidel on the exact law; with mu = 0 it is PGS. Iterations: sweeps.
+ContactSolution solve_nsgs(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                           SolverMemory&);
+
+struct SolverEntry {
+  std::string_view name;
+  Solver solve;
+  ContactLaw law;     // whose residual it reports
+  bool frictionless;  // covers mu = 0 only
+};
+
+// All solvers, in the order above.
+std::span<const SolverEntry> solver_catalog();
+
+}  // namespace ourengine
