@@ -12,197 +12,19 @@
 //  * default: all of these as the library has them, that is sequential impulses, 10 iterations.
 //  * Refused: several threads (Debian's Bullet is built without), and an initial spin that Bullet
 //    would clamp (a quarter turn per step). A clamp later in the run shows in the diagnostics.
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
-#include <btBulletDynamicsCommon.h>
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 
+#include "adapters/bullet_scene.hpp"
 #include "adapters/seam/knob_table.hpp"
 
 namespace brickbench {
 namespace {
 
-static_assert(sizeof(btScalar) == 8, "the adapter wants Bullet in double precision");
-
-constexpr double k_max_turn_rad =
-    SIMD_HALF_PI;  // per step; btRigidBody::integrateVelocities clamps
-
-constexpr std::array k_knobs = {
-    KnobRow{"iterations", "1", 10, 50, 1, 1e6, true, "sweeps of the contact solver"},
-    KnobRow{"erp", "1", 0.2, 0.2, 0, 1, false, "share of a penetration removed per step"},
-    KnobRow{"cfm", "1", 0, 0, 0, 1e6, false, "constraint force mixing of the contact rows"},
-    KnobRow{"split_impulse", "1", 1, 1, 0, 1, true, "1: depth is corrected outside the velocities"},
-    KnobRow{"split_impulse_threshold_m", "m", -0.04, 0, -1e6, 0, false,
-            "gap below which split impulse replaces Baumgarte velocities"},
-    KnobRow{"restitution_threshold_mps", "m/s", 0.2, 0, 0, 1e6, false,
-            "approach speed below which nothing bounces"},
-    KnobRow{"contact_processing_threshold_m", "m", BT_LARGE_FLOAT, 1e-8, 0, BT_LARGE_FLOAT, false,
-            "gap above which a contact point gets no row in the solver"},
-    KnobRow{"gyroscopic", "1", 3, 3, 0, 3, true,
-            "0 off, 1 explicit, 2 implicit in the world frame, 3 implicit in the body frame"},
-    KnobRow{"warm_starting", "1", 0.85, 0.85, 0, 1, false,
-            "share of the last impulse to start from"},
-    KnobRow{"friction_directions", "1", 1, 2, 1, 2, true, "friction rows per contact point"},
-    KnobRow{
-        "max_box_margin_m", "m", 0.04, 0, 0, 0.04, false,
-        "radius of a box's rounded edges against spheres (also at most a tenth of its half size)"},
-    KnobRow{"plane_perturbations", "1", 0, 8, 0, 64, true,
-            "extra support queries between a box and a plane while they share fewer than 4 points"},
-};
-
-btVector3 to_bt(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3d from_bt(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-btTransform to_bt(const State& s) {
-  const Eigen::Quaterniond& q = s.orientation;
-  return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), to_bt(s.position_m));
-}
-
-std::size_t index_of(const btCollisionObject* object) {
-  return static_cast<std::size_t>(object->getUserIndex());
-}
-
-// Bullet asks here for each new or refreshed contact point; the body carries its World. Both bodies
-// of a point belong to the same one, and the law is symmetric.
-bool set_pair_law(btManifoldPoint& point, const btCollisionObjectWrapper* a, int, int,
-                  const btCollisionObjectWrapper* b, int, int) {
-  const btCollisionObject* body_a = a->getCollisionObject();
-  const btCollisionObject* body_b = b->getCollisionObject();
-  const auto* world = static_cast<const World*>(body_a->getUserPointer());
-  const ContactLaw law = contact_law(*world, index_of(body_a), index_of(body_b));
-  point.m_combinedFriction = law.friction;
-  point.m_combinedRestitution = law.restitution;
-  return true;
-}
-
-std::unique_ptr<btCollisionShape> make_shape(const Shape& shape, double max_box_margin_m) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    auto made = std::make_unique<btBoxShape>(to_bt(box->half_extents_m));
-    made->setMargin(std::min(made->getMargin(), max_box_margin_m));
-    return made;
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    return std::make_unique<btSphereShape>(sphere->radius_m);
-  }
-  return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
-}
-
-Shape read_shape(const btCollisionShape& shape) {
-  switch (shape.getShapeType()) {
-    case BOX_SHAPE_PROXYTYPE:
-      return BoxShape{from_bt(static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin())};
-    case SPHERE_SHAPE_PROXYTYPE:
-      return SphereShape{static_cast<const btSphereShape&>(shape).getRadius()};
-    default:
-      return PlaneShape{};
-  }
-}
-
-int gyroscopic_flag(double knob) {
-  constexpr std::array flags = {0, int{BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT},
-                                int{BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD},
-                                int{BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY}};
-  return flags[static_cast<std::size_t>(knob)];
-}
-
-// Sequential impulses that keep the worst residual of the islands of a step: squared change of a
-// row's velocity in the last sweep (Bullet's own analytics hold the last island only).
-struct WatchedSolver final : btSequentialImpulseConstraintSolver {
-  double residual_m2ps2 = 0.0;
-
-  btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int body_count,
-                                             btPersistentManifold** manifolds, int manifold_count,
-                                             btTypedConstraint** joints, int joint_count,
-                                             const btContactSolverInfo& info,
-                                             btIDebugDraw* drawer) override {
-    const btScalar result = btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations(
-        bodies, body_count, manifolds, manifold_count, joints, joint_count, info, drawer);
-    residual_m2ps2 = std::max(residual_m2ps2, m_leastSquaresResidual);
-    return result;
-  }
-};
-
-// The objects of one Bullet world, in the order in which they must be made.
-struct Scene {
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadphase;
-  WatchedSolver* watched = nullptr;  // `solver`, if it is sequential impulses
-  std::unique_ptr<btSequentialImpulseConstraintSolver> solver;
-  std::unique_ptr<btDiscreteDynamicsWorld> world;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;  // order of World::bodies
-
-  Scene(const World& facts, const Settings& settings);
-  ~Scene() {
-    for (auto& body : bodies) world->removeRigidBody(body.get());
-  }
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
-
- private:
-  void configure(const Settings& settings);
-  void add(const World& facts, std::size_t index, const Settings& settings);
-};
-
-void Scene::configure(const Settings& settings) {
-  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
-  btContactSolverInfo& info = world->getSolverInfo();
-  info.m_numIterations = static_cast<int>(value("iterations"));
-  info.m_erp2 = value("erp");
-  info.m_globalCfm = value("cfm");
-  info.m_splitImpulse = static_cast<int>(value("split_impulse"));
-  info.m_splitImpulsePenetrationThreshold = value("split_impulse_threshold_m");
-  info.m_restitutionVelocityThreshold = value("restitution_threshold_mps");
-  info.m_warmstartingFactor = value("warm_starting");
-  info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD;
-  if (value("friction_directions") > 1) info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  if (const int turns = static_cast<int>(value("plane_perturbations")); turns > 0) {
-    configuration.setPlaneConvexMultipointIterations(turns, 4);
-  }
-}
-
-void Scene::add(const World& facts, std::size_t index, const Settings& settings) {
-  const Body& fact = facts.bodies[index];
-  shapes.push_back(make_shape(fact.shape, knob_value(k_knobs, settings, "max_box_margin_m")));
-  btRigidBody::btRigidBodyConstructionInfo info(
-      fact.fixed ? 0.0 : fact.mass_kg, nullptr, shapes.back().get(),
-      fact.fixed ? btVector3(0, 0, 0) : to_bt(fact.inertia_kgm2));
-  info.m_startWorldTransform = to_bt(fact.initial);
-  bodies.push_back(std::make_unique<btRigidBody>(info));
-  btRigidBody& body = *bodies.back();
-  body.setUserIndex(static_cast<int>(index));
-  body.setUserPointer(const_cast<World*>(&facts));
-  body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
-  body.setContactProcessingThreshold(
-      knob_value(k_knobs, settings, "contact_processing_threshold_m"));
-  body.setFlags(gyroscopic_flag(knob_value(k_knobs, settings, "gyroscopic")));
-  if (!fact.fixed) {
-    body.setActivationState(DISABLE_DEACTIVATION);
-    body.setLinearVelocity(to_bt(fact.initial.velocity_mps));
-    body.setAngularVelocity(to_bt(fact.initial.angular_velocity_radps));
-  }
-  world->addRigidBody(&body);
-}
-
-Scene::Scene(const World& facts, const Settings& settings) {
-  if (settings.variant == "nncg") {
-    solver = std::make_unique<btNNCGConstraintSolver>();
-  } else {
-    auto made = std::make_unique<WatchedSolver>();
-    watched = made.get();
-    solver = std::move(made);
-  }
-  world = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, solver.get(),
-                                                    &configuration);
-  world->setGravity(to_bt(facts.gravity_mps2));
-  configure(settings);
-  for (std::size_t i = 0; i < facts.bodies.size(); ++i) add(facts, i, settings);
-}
+using namespace bullet;
 
 class BulletSimulation final : public Simulation,
                                ContactView,
