@@ -64,13 +64,15 @@ std::string unfinished(const ReportInput& input) {
   table.header = {"engine", "experiment", "step_s", "seed", "outcome", "reason", "repeat"};
   for (const Row& row : input.rows) {
     if (!row.state_hash.empty() || !seen.insert(row.cell).second) continue;
-    table.rows.push_back({{row.engine + '/' + row.variant},
-                          {row.experiment},
-                          {shortest(row.step_s)},
-                          {std::to_string(row.seed)},
-                          {row.outcome},
-                          {row.reason},
-                          {'`' + reproduce_command(row, input.provenance->plan) + '`'}});
+    table.rows.push_back(
+        {{row.engine + '/' + row.variant},
+         {row.experiment},
+         {shortest(row.step_s)},
+         {std::to_string(row.seed)},
+         {row.outcome},
+         {row.reason},
+         {row.outcome == "excluded" ? ""
+                                    : '`' + reproduce_command(row, input.provenance->plan) + '`'}});
   }
   if (table.rows.empty()) return "";
   return "## Cells without numbers\n\n" + to_markdown(table) + '\n';
@@ -82,9 +84,9 @@ std::string worst_lines(const Block& block) {
     const Number& number = block.numbers[n];
     if (!number.worst) continue;
     const Score& score = block.scores[*number.worst][n];
-    out += fmt::format("- worst {}: {} with {} {}{}{}\n", number.name,
+    out += fmt::format("- worst {}: {} with {}{}{}{}\n", number.name,
                        block.contenders[*number.worst].label(), short_number(*score.median),
-                       number.unit == "1" ? "" : number.unit, score.note.empty() ? "" : ", ",
+                       number.unit == "1" ? "" : " " + number.unit, score.note.empty() ? "" : ", ",
                        score.note);
   }
   return out.empty() ? "" : out + '\n';

@@ -95,8 +95,9 @@ TEST(Cell, RowsAndCurvesAreTheSameBytesEveryTime) {
 }
 
 TEST(Cell, ABlowGivesItsImpulseWhateverTheStep) {
-  // Momentum 3 N s over 2 kg; rounding of impulse / step * step / mass.
-  const Tolerance tolerance{"blow", 5e-16 * 1.5, 1.2e-16 * 1.5, "a few roundings of 1.5 m/s"};
+  // 7.3 N s on 3.1 kg: a division by the step, one by the mass, a product with the step and a sum
+  // round by half an ulp of 2.35 m/s (2.2e-16) each, the sum over a step once more.
+  const Tolerance tolerance{"blow_mps", 2e-15, 4.5e-16, "five roundings of 2.35 m/s"};
   Worst worst;
   const RunResult result = run_text(R"(
 title = "t"
@@ -104,10 +105,11 @@ title = "t"
 scenario = "fall"
 engines = ["good"]
 step_s = [0.05, 0.01, 0.001, "1/3000"]
-parameters = { push_ns = 3, mass_kg = 2 }
+parameters = { push_ns = 7.3, mass_kg = 3.1 }
 )");
   for (const Row& row : result.rows) {
-    if (row.metric == "speed_mps") worst.see(*row.value - 1.5, "step " + shortest(row.step_s));
+    if (row.metric == "speed_mps")
+      worst.see(*row.value - 7.3 / 3.1, "step " + shortest(row.step_s));
   }
   EXPECT_TRUE(worst.within(tolerance));
 }
