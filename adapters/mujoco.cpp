@@ -3,6 +3,7 @@
 // Choices (measured effects: docs/engines/mujoco.md):
 //  * cg, newton: elliptic cones, 200 iterations, tolerance 1e-10, contacts as stiff as MuJoCo's own
 //    safety allows (solref: time constant two steps, damping ratio 1).
+//  * rk4: newton with the integrator mj_RungeKutta.
 //  * default: all of these as the library has them: pyramidal cones, Newton, 100 iterations, 1e-8,
 //    time constant 0.02 s.
 //  * Every variant: mass and inertia as in World, no sleeping, no damping, friction exact per pair.
@@ -51,6 +52,12 @@ mjtSolver solver_of(const Settings& settings) {
   return settings.variant == "cg" ? mjSOL_CG : mjSOL_NEWTON;
 }
 
+int integrator_of(const Settings& settings) {
+  const bool runge_kutta = settings.variant == "rk4" && !settings.knobs.contains("integrator");
+  return runge_kutta ? int{mjINT_RK4}
+                     : static_cast<int>(knob_value(k_knobs, settings, "integrator"));
+}
+
 mujoco::ContactSettings contact_settings(const Settings& settings) {
   const double asked_s = knob_value(k_knobs, settings, "solref_timeconst_s");
   return {.time_constant_s = asked_s > 0.0 ? asked_s : 2.0 * settings.step_s,
@@ -68,7 +75,7 @@ void set_options(mjOption& option, const World& world, const Settings& settings)
   option.iterations = whole("iterations");
   option.tolerance = knob_value(k_knobs, settings, "tolerance");
   option.impratio = knob_value(k_knobs, settings, "impratio");
-  option.integrator = whole("integrator");
+  option.integrator = integrator_of(settings);
   option.noslip_iterations = whole("noslip_iterations");
   option.cone = whole("cone");
   if (whole("warm_starting") == 0) option.disableflags |= mjDSBL_WARMSTART;
@@ -296,15 +303,17 @@ Expected<std::unique_ptr<Simulation>> build_mujoco(const World& world, const Set
 // Todorov, Erez, Tassa, "MuJoCo: a physics engine for model-based control" (2012) and the chapter
 // "Computation" of MuJoCo's documentation.
 std::optional<Scheme> mujoco_scheme(const Settings& settings) {
-  const int integrator = static_cast<int>(knob_value(k_knobs, settings, "integrator"));
-  // The stages of its Runge-Kutta turn by mean velocities: no rule of Scheme is that one.
-  if (integrator == mjINT_RK4) return std::nullopt;
+  const int integrator = integrator_of(settings);
   const mujoco::ContactSettings contact = contact_settings(settings);
   Scheme scheme;
   scheme.source = "MuJoCo documentation 2.2, Computation: integrators, solver parameters";
-  scheme.position = PositionRule::new_velocity;
   scheme.gyroscopic =
       integrator == mjINT_IMPLICIT ? GyroscopicRule::newton_body : GyroscopicRule::explicit_body;
+  if (integrator == mjINT_RK4) {
+    scheme.position = PositionRule::runge_kutta_4;
+    scheme.gyroscopic = GyroscopicRule::runge_kutta_4;
+    scheme.order = 2.0;  // of the attitude: mj_RungeKutta averages spins of different body frames
+  }
   scheme.attitude = AttitudeRule::exponential;
   scheme.compliant = CompliantContact{.time_constant_s = contact.time_constant_s,
                                       .damping_ratio = contact.damping_ratio};
@@ -321,6 +330,7 @@ Adapter mujoco_adapter() {
           .precision = "f64",
           .variants = {{"cg", "conjugate gradients, elliptic cones, stiffest contacts; tuned"},
                        {"newton", "Newton's method, elliptic cones, stiffest contacts; tuned"},
+                       {"rk4", "as newton, with Runge-Kutta of order 4"},
                        {"default", "Newton's method, pyramidal cones; the library's own settings"}},
           .knobs = to_knobs(k_knobs),
           .build = build_mujoco,

@@ -16,6 +16,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   add_run_verb(app, invocation);
   add_list_verb(app, invocation);
+  add_validate_verb(app, invocation);
   add_doctor_verb(app, invocation);
   try {
     app.parse(argc, argv);

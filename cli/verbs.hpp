@@ -23,6 +23,7 @@ struct Invocation {
 
 void add_run_verb(CLI::App& app, Invocation& invocation);
 void add_list_verb(CLI::App& app, Invocation& invocation);
+void add_validate_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
 }  // namespace brickbench

@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cli/build_facts.hpp"
+#include "cli/terminal.hpp"
+#include "cli/verbs.hpp"
+#include "experiments/exact/validate.hpp"
+#include "experiments/record/csv.hpp"
+#include "experiments/run/selector.hpp"
+
+namespace brickbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ValidateOptions {
+  std::vector<std::string> engines = {"all"};
+  std::string cases = "all";
+  bool predict = false;
+  bool json = false;
+};
+
+int complain(const std::string& message) {
+  fmt::print(stderr, "brickbench: {}\n", message);
+  return k_exit_bad_input;
+}
+
+std::string reproduce(const exact::CellResult& cell) {
+  return fmt::format("brickbench validate --engine {}/{} --case {}", cell.engine, cell.variant,
+                     cell.case_id);
+}
+
+// JSON knows no infinities: null.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+Json cell_json(const exact::CellResult& cell) {
+  auto scores = Json::array();
+  for (const exact::Score& score : cell.scores) {
+    scores.push_back({{"id", score.observable},
+                      {"unit", score.unit},
+                      {"truth", number(score.truth)},
+                      {"predicted", number(score.predicted)},
+                      {"measured", number(score.measured)},
+                      {"scale", number(score.scale)},
+                      {"error", number(score.error)},
+                      {"explained", number(score.explained)},
+                      {"unexplained", number(score.unexplained)}});
+  }
+  Json json = {{"id", fmt::format("{}/{}:{}", cell.engine, cell.variant, cell.case_id)},
+               {"engine", cell.engine},
+               {"variant", cell.variant},
+               {"case", cell.case_id},
+               {"outcome", cell.outcome},
+               {"reason", cell.reason},
+               {"failed", cell.failed()},
+               {"bound", cell.bound},
+               {"no_prediction", cell.no_prediction},
+               {"scores", scores}};
+  if (cell.bracket) {
+    json["threshold"] = {{"parameter", cell.bracket->parameter}, {"unit", cell.bracket->unit},
+                         {"truth", number(cell.bracket->truth)}, {"low", number(cell.bracket->low)},
+                         {"high", number(cell.bracket->high)},   {"found", cell.bracket->found}};
+  }
+  json["reproduce"] = reproduce(cell);
+  return json;
+}
+
+std::string digits(double value) {
+  return std::isnan(value) ? std::string("-") : fmt::format("{:.3g}", value);
+}
+std::string digits(const std::optional<double>& value) { return value ? digits(*value) : "-"; }
+
+double largest(const exact::CellResult& cell, double exact::Score::*part) {
+  double worst = std::nan("");
+  for (const exact::Score& score : cell.scores) {
+    const double value = score.*part;
+    if (!std::isnan(value) && (std::isnan(worst) || value > worst)) worst = value;
+  }
+  return worst;
+}
+
+// Worst observable of each cell: error, explained and unexplained part, and how to see it again.
+void print_line(const exact::CellResult& cell) {
+  double explained = std::nan("");
+  for (const exact::Score& score : cell.scores) {
+    if (score.explained && !std::isnan(*score.explained)) {
+      explained = std::isnan(explained) ? *score.explained : std::max(explained, *score.explained);
+    }
+  }
+  const std::string verdict = cell.failed()              ? "FAILED"
+                              : cell.outcome != "ok"     ? cell.outcome
+                              : cell.worst_unexplained() ? "ok"
+                                                         : "open";
+  fmt::print("{:<30} {:<18} {:<8} {:>9} {:>9} {:>9}  {}\n", cell.case_id,
+             cell.engine + '/' + cell.variant, verdict,
+             cell.outcome == "ok" ? digits(largest(cell, &exact::Score::error)) : "-",
+             digits(explained), digits(cell.worst_unexplained()), reproduce(cell));
+  if (!cell.reason.empty()) fmt::print("    {}\n", cell.reason);
+  if (cell.bracket && cell.bracket->found) {
+    fmt::print("    {} between {:.6g} and {:.6g} {}, exact {:.6g}\n", cell.bracket->parameter,
+               cell.bracket->low, cell.bracket->high, cell.bracket->unit, cell.bracket->truth);
+  }
+  if (cell.bracket && !cell.bracket->found) {
+    fmt::print("    {}: the same outcome at {:.6g} and {:.6g} {}, exact {:.6g}\n",
+               cell.bracket->parameter, cell.bracket->low, cell.bracket->high, cell.bracket->unit,
+               cell.bracket->truth);
+  }
+}
+
+// One row per observable: what each scheme predicts, before any engine runs.
+void print_predictions(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
+                       const std::vector<exact::ExactCase>& cases) {
+  fmt::print("engine,variant,case,observable,unit,truth,predicted,scale,no_prediction\n");
+  for (const EngineVariant& engine : engines) {
+    const Adapter& adapter = *find_adapter(catalogues, engine.engine);
+    for (const exact::ExactCase& exact_case : cases) {
+      const exact::ExactRun run = exact::build(exact_case).value();
+      const exact::CellResult cell = exact::predict(adapter, engine.variant, exact_case, run);
+      for (const exact::Score& score : cell.scores) {
+        fmt::print("{},{},{},{},{},{},{},{},{}\n", cell.engine, cell.variant, cell.case_id,
+                   score.observable, score.unit, score.truth,
+                   score.predicted ? fmt::format("{}", *score.predicted) : "", score.scale,
+                   cell.no_prediction);
+      }
+    }
+  }
+}
+
+int validate(const ValidateOptions& options) {
+  const Catalogues catalogues = all_catalogues();
+  std::vector<EngineVariant> engines;
+  for (const std::string& text : options.engines) {
+    try {
+      const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
+      for (const EngineVariant& engine : select(selector, catalogues)) engines.push_back(engine);
+    } catch (const InputError& error) {
+      return complain(error.text());
+    }
+  }
+  const auto cases = exact::select_cases(exact::exact_cases(), options.cases);
+  if (cases.empty()) {
+    return complain(fmt::format("no case '{}': all, family.* or one of `brickbench list cases`",
+                                options.cases));
+  }
+  if (options.predict) {
+    print_predictions(engines, catalogues, cases);
+    return k_exit_fine;
+  }
+  auto cells = Json::array();
+  std::size_t failed = 0, held = 0, open = 0;
+  Progress progress(engines.size() * cases.size());
+  if (!options.json) {
+    fmt::print("{:<30} {:<18} {:<8} {:>9} {:>9} {:>9}  {}\n", "case", "engine", "verdict", "error",
+               "explained", "unexpl.", "reproduce with");
+  }
+  for (const exact::ExactCase& exact_case : cases) {
+    for (const EngineVariant& engine : engines) {
+      progress.begin(exact_case.id + ' ' + engine.label());
+      const exact::CellResult cell =
+          exact::validate(*find_adapter(catalogues, engine.engine), engine.variant, exact_case);
+      progress.end(fmt::format("{} {}: {}", exact_case.id, engine.label(), cell.outcome));
+      failed += cell.failed();
+      const bool predicted = cell.outcome == "ok" && cell.worst_unexplained().has_value();
+      held += predicted && !cell.failed();
+      open += cell.outcome == "ok" && !predicted;
+      if (options.json) {
+        cells.push_back(cell_json(cell));
+      } else {
+        print_line(cell);
+      }
+    }
+  }
+  const std::size_t count = engines.size() * cases.size();
+  if (options.json) {
+    const Json json = {
+        {"cells", cells},   {"count", count},
+        {"failed", failed}, {"within_bounds", held},
+        {"open", open},     {"exit_code", failed > 0 ? k_exit_failed_case : k_exit_fine}};
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print(
+        "{} of {} cells follow their scheme within the bounds, {} failed, {} have no "
+        "discrete prediction, {} refused.\n",
+        held, count, failed, open, count - held - failed - open);
+  }
+  return failed > 0 ? k_exit_failed_case : k_exit_fine;
+}
+
+}  // namespace
+
+void add_validate_verb(CLI::App& app, Invocation& invocation) {
+  CLI::App* verb = app.add_subcommand(
+      "validate", "Check engines against exact cases and against their own documented schemes");
+  auto options = std::make_shared<ValidateOptions>();
+  verb->add_option("--engine", options->engines, "Engine selector; may be repeated; default all")
+      ->expected(1)
+      ->take_all();
+  verb->add_option("--case", options->cases, "all, family.* or the id of one case");
+  verb->add_flag("--predict", options->predict,
+                 "Print what the schemes predict, as CSV, without running any engine");
+  verb->add_flag("--json", options->json, "The result as JSON on standard output");
+  verb->callback([options, &invocation] { invocation.exit_code = validate(*options); });
+}
+
+}  // namespace brickbench

@@ -1,0 +1,233 @@
+#include "experiments/exact/validate.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "experiments/exact/audit.hpp"
+
+namespace brickbench::exact {
+namespace {
+
+double bound_of(const ExactCase& exact_case) {
+  return exact_case.needs.contacts == Contacts::none ? k_contact_free_bound : k_contact_bound;
+}
+
+// An event that the one has and the other lacks is infinitely far; two lacking events agree.
+double distance(double a, double b, double scale) {
+  if (std::isnan(a) && std::isnan(b)) return 0.0;
+  if (std::isnan(a) || std::isnan(b)) return std::numeric_limits<double>::infinity();
+  return std::abs(a - b) / scale;
+}
+
+Expected<void> check_audit(const World& world, const Simulation& simulation) {
+  const AuditView* view = simulation.audit_view();
+  if (view == nullptr) return {};
+  const std::vector<std::string> differences = audit_differences(world, *view);
+  if (differences.empty()) return {};
+  return fail(Fault::invalid, fmt::format("{}", fmt::join(differences, "; ")));
+}
+
+struct Live {
+  std::unique_ptr<Simulation> simulation;
+  std::vector<State> states;
+  std::vector<Wrench> wrenches;
+  std::vector<Contact> contacts;
+  bool tells_contacts = false;
+
+  Sample sample(std::size_t step, double step_s) const {
+    return {.step = step,
+            .time_s = static_cast<double>(step) * step_s,
+            .states = states,
+            .wrenches = wrenches,
+            .contacts = tells_contacts ? &contacts : nullptr,
+            .diagnostics = {}};
+  }
+};
+
+Expected<std::vector<double>> play(Live& live, const ExactCase& exact_case, const ExactRun& run) {
+  Recorder recorder(run, exact_case.observables.size());
+  const ContactView* view =
+      exact_case.needs.contact_forces ? live.simulation->contact_view() : nullptr;
+  live.simulation->read(live.states);
+  recorder.see(live.sample(0, run.step_s));
+  live.tells_contacts = view != nullptr;
+  for (std::size_t step = 0; step < run.steps; ++step) {
+    if (run.load) {
+      std::ranges::fill(live.wrenches, Wrench{});
+      run.load(step, static_cast<double>(step) * run.step_s, live.wrenches);
+      live.simulation->apply(live.wrenches);
+    }
+    if (auto ok = live.simulation->step(); !ok) return tl::unexpected(ok.error());
+    live.simulation->read(live.states);
+    if (!std::ranges::all_of(live.states, is_finite)) {
+      return fail(Fault::diverged, fmt::format("a state is not finite after step {}", step + 1));
+    }
+    if (view != nullptr) view->contacts(live.contacts);
+    recorder.see(live.sample(step + 1, run.step_s));
+  }
+  return recorder.values();
+}
+
+Score make_score(const Observable& observable, const Truth& truth) {
+  Score score;
+  score.observable = observable.name;
+  score.unit = observable.unit;
+  score.truth = truth.value;
+  score.scale = truth.scale;
+  return score;
+}
+
+// Halves the bracket until it is k_threshold_width of the critical value wide.
+Expected<Bracket> bisect(const Adapter& adapter, const std::string& variant,
+                         const ExactCase& exact_case, const ParameterValues& given) {
+  const Threshold& threshold = *exact_case.threshold;
+  const ParameterValues values = complete(exact_case, given).value();
+  Bracket bracket;
+  bracket.parameter = threshold.parameter;
+  for (const Parameter& parameter : exact_case.parameters) {
+    if (parameter.name == threshold.parameter) bracket.unit = parameter.unit;
+  }
+  bracket.truth = threshold.critical(values);
+  bracket.low = bracket.truth * threshold.low_factor;
+  bracket.high = bracket.truth * threshold.high_factor;
+  const auto happens = [&](double value) -> Expected<bool> {
+    ParameterValues at = given;
+    at[threshold.parameter] = value;
+    const auto run = build(exact_case, at);
+    if (!run) return tl::unexpected(run.error());
+    const auto measured = measure(adapter, variant, exact_case, *run);
+    if (!measured) return tl::unexpected(measured.error());
+    return threshold.happened(*measured) == threshold.above;
+  };
+  const auto at_low = happens(bracket.low), at_high = happens(bracket.high);
+  if (!at_low) return tl::unexpected(at_low.error());
+  if (!at_high) return tl::unexpected(at_high.error());
+  bracket.found = !*at_low && *at_high;
+  // An odd factor: the midpoints avoid the exact critical value itself.
+  while (bracket.found && bracket.high - bracket.low > k_threshold_width * bracket.truth) {
+    const double middle = bracket.low + 0.4871 * (bracket.high - bracket.low);
+    const auto above = happens(middle);
+    if (!above) return tl::unexpected(above.error());
+    (*above ? bracket.high : bracket.low) = middle;
+  }
+  return bracket;
+}
+
+}  // namespace
+
+bool CellResult::failed() const {
+  if (outcome == "refused") return false;
+  if (outcome != "ok") return true;
+  const auto worst = worst_unexplained();
+  return worst && !(*worst <= bound);
+}
+
+std::optional<double> CellResult::worst_unexplained() const {
+  std::optional<double> worst;
+  for (const Score& score : scores) {
+    if (score.unexplained) worst = std::max(worst.value_or(0.0), *score.unexplained);
+  }
+  return worst;
+}
+
+Settings settings_of(const Adapter& adapter, const std::string& variant, const ExactRun& run) {
+  Settings settings;
+  settings.step_s = run.step_s;
+  settings.variant = variant.empty() ? adapter.variants.front().name : variant;
+  return settings;
+}
+
+CellResult predict(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
+                   const ExactRun& run) {
+  const Settings settings = settings_of(adapter, variant, run);
+  CellResult cell;
+  cell.engine = adapter.name;
+  cell.variant = settings.variant;
+  cell.case_id = exact_case.id;
+  cell.bound = bound_of(exact_case);
+  for (std::size_t i = 0; i < run.truths.size(); ++i) {
+    cell.scores.push_back(make_score(exact_case.observables[i], run.truths[i]));
+  }
+  const std::optional<Scheme> scheme =
+      adapter.scheme == nullptr ? std::nullopt : adapter.scheme(settings);
+  if (!scheme) {
+    cell.no_prediction = "the engine states no scheme";
+    return cell;
+  }
+  const auto predicted = discrete_truth(exact_case, run, *scheme, &cell.no_prediction);
+  if (!predicted) return cell;
+  for (std::size_t i = 0; i < cell.scores.size(); ++i) {
+    Score& score = cell.scores[i];
+    score.predicted = (*predicted)[i];
+    score.explained = distance((*predicted)[i], score.truth, score.scale);
+  }
+  return cell;
+}
+
+Expected<std::vector<double>> measure(const Adapter& adapter, const std::string& variant,
+                                      const ExactCase& exact_case, const ExactRun& run) {
+  auto built = brickbench::build(adapter, run.world, settings_of(adapter, variant, run));
+  if (!built) return tl::unexpected(built.error());
+  if (auto ok = check_audit(run.world, **built); !ok) return tl::unexpected(ok.error());
+  Live live;
+  live.simulation = std::move(*built);
+  live.states.resize(run.world.bodies.size());
+  live.wrenches.resize(run.world.bodies.size());
+  return play(live, exact_case, run);
+}
+
+CellResult validate(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
+                    const ParameterValues& given) {
+  CellResult cell;
+  const auto note = [&](const Failure& failure) {
+    cell.outcome = failure.fault == Fault::invalid ? "audit" : to_outcome(failure.fault);
+    cell.reason = failure.reason;
+  };
+  const auto run = build(exact_case, given);
+  if (!run) {
+    note(run.error());
+    return cell;
+  }
+  cell = predict(adapter, variant, exact_case, *run);
+  const auto measured = measure(adapter, variant, exact_case, *run);
+  if (!measured) {
+    note(measured.error());
+    return cell;
+  }
+  for (std::size_t i = 0; i < cell.scores.size(); ++i) {
+    Score& score = cell.scores[i];
+    score.measured = (*measured)[i];
+    score.error = distance(score.measured, score.truth, score.scale);
+    if (score.predicted) {
+      score.unexplained = distance(score.measured, *score.predicted, score.scale);
+    }
+  }
+  if (exact_case.threshold) {
+    const auto bracket = bisect(adapter, variant, exact_case, given);
+    if (!bracket) {
+      note(bracket.error());
+      return cell;
+    }
+    cell.bracket = *bracket;
+  }
+  return cell;
+}
+
+std::vector<ExactCase> select_cases(const std::vector<ExactCase>& cases,
+                                    const std::string& selector) {
+  std::vector<ExactCase> chosen;
+  const bool family = selector.ends_with(".*");
+  const std::string prefix = family ? selector.substr(0, selector.size() - 1) : std::string();
+  for (const ExactCase& exact_case : cases) {
+    const bool fits = selector == "all" || selector == exact_case.id ||
+                      (family && exact_case.id.starts_with(prefix));
+    if (fits) chosen.push_back(exact_case);
+  }
+  return chosen;
+}
+
+}  // namespace brickbench::exact
