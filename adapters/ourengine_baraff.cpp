@@ -1,0 +1,224 @@
+// The paper's system as a Simulation: translation alone, see ourengine.cpp for the choices.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapters/ourengine_variants.hpp"
+#include "ourengine/baraff/simulator.hpp"
+
+namespace brickbench {
+namespace {
+
+namespace engine = ourengine::baraff;
+
+double knob(const Settings& settings, std::string_view name) {
+  const auto row = std::ranges::find_if(
+      k_ourengine_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
+  return knob_or(settings, name, settings.variant == "paper" ? row->library : row->tuned);
+}
+
+engine::Options options_of(const World& world, const Settings& settings) {
+  const auto value = [&](std::string_view name) { return knob(settings, name); };
+  return {.step_s = settings.step_s,
+          .gravity_mps2 = world.gravity_mps2,
+          .contact_tolerance_m = value("contact_tolerance_m"),
+          .collision_velocity_mps = value("collision_velocity_mps"),
+          .max_collision_sweeps = static_cast<int>(value("max_collision_sweeps")),
+          .velocity_share = value("velocity_share"),
+          .overlap_share = value("overlap_share"),
+          .overlap_slop_m = value("overlap_slop_m"),
+          .max_bisections = static_cast<int>(value("max_bisections"))};
+}
+
+engine::RigidBody to_engine(const Body& fact) {
+  engine::Solid solid = engine::Plane{};
+  if (const auto* box = std::get_if<BoxShape>(&fact.shape))
+    solid = engine::Box{box->half_extents_m};
+  return fact.fixed ? engine::make_fixed_body(solid)
+                    : engine::make_body(solid, fact.mass_kg, fact.inertia_kgm2);
+}
+
+void set_state(engine::RigidBody& body, const State& state) {
+  body.position_m = state.position_m;
+  body.orientation = state.orientation;
+  engine::set_velocity(body, state.velocity_mps, state.angular_velocity_radps);
+}
+
+// Each body is a surface of its own, so that every law of a pair is expressed.
+engine::RestitutionTable restitutions(const World& world) {
+  const auto n = static_cast<Eigen::Index>(world.bodies.size());
+  engine::RestitutionTable table(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      table(i, j) =
+          contact_law(world, static_cast<std::size_t>(i), static_cast<std::size_t>(j)).restitution;
+    }
+  }
+  return table;
+}
+
+class BaraffSimulation final : public Simulation,
+                               ContactView,
+                               StateView,
+                               AuditView,
+                               DiagnosticView {
+ public:
+  BaraffSimulation(std::vector<engine::RigidBody> bodies, const World& world,
+                   const Settings& settings)
+      : simulator_(std::move(bodies), restitutions(world), options_of(world, settings)) {}
+
+  void apply(std::span<const Wrench> wrenches) override {
+    std::vector<engine::Load> loads;
+    for (const Wrench& w : wrenches) loads.push_back({w.force_n, w.torque_nm});
+    simulator_.apply(loads);
+  }
+
+  Expected<void> step() override {
+    const engine::StepReport& report = simulator_.step();
+    diagnostics_ = {{"complementarity_residual", "1", report.complementarity_residual},
+                    {"overlap_residual", "1", report.overlap_residual},
+                    {"contacts", "1", double(report.contacts)},
+                    {"resting_contacts", "1", double(report.resting_contacts)},
+                    {"pivots", "1", double(report.pivots)},
+                    {"zero_steps", "1", double(report.zero_steps)},
+                    {"retried_solves", "1", double(report.retried)},
+                    {"overlaps_left", "1", double(report.overlaps_left)},
+                    {"bisections", "1", double(report.bisections)},
+                    {"colliding_iterations", "1", double(report.colliding_iterations)},
+                    {"collisions_unfinished", "1", report.collisions_unfinished ? 1.0 : 0.0},
+                    {"failed", "1", report.failed ? 1.0 : 0.0}};
+    for (const engine::RigidBody& body : simulator_.bodies()) {
+      if (!body.position_m.allFinite() || !body.orientation.coeffs().allFinite() ||
+          !body.velocity_mps.allFinite() || !body.angular_velocity_radps.allFinite()) {
+        return fail(Fault::diverged, "a state is not finite");
+      }
+    }
+    if (report.failed) {
+      return fail(
+          Fault::crashed,
+          fmt::format("the resting-contact solve failed: residual {} of {} contacts after "
+                      "{} pivots; allowed is 1e-6",
+                      report.complementarity_residual, report.resting_contacts, report.pivots));
+    }
+    return {};
+  }
+
+  void read(std::span<State> states) const override {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const engine::RigidBody& body = simulator_.bodies()[i];
+      states[i] = {body.position_m, body.orientation, body.velocity_mps,
+                   body.angular_velocity_radps};
+    }
+  }
+
+  const ContactView* contact_view() const override { return this; }
+  StateView* state_view() override { return this; }
+  const AuditView* audit_view() const override { return this; }
+  const DiagnosticView* diagnostic_view() const override { return this; }
+  std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+
+  // The engine's normal points from obj2 to obj1, the seam's from a to b.
+  void contacts(std::vector<Contact>& contacts) const override {
+    contacts.clear();
+    for (const engine::Collision& c : simulator_.contacts()) {
+      contacts.push_back({.body_a = c.obj2,
+                          .body_b = c.obj1,
+                          .position_m = c.location,
+                          .normal = c.normal,
+                          .gap_m = c.gap_m,
+                          .impulse_ns = c.impulse_ns * c.normal});
+    }
+  }
+
+  Expected<void> set_state(std::span<const State> states) override {
+    std::vector<engine::RigidBody> bodies(simulator_.bodies().begin(), simulator_.bodies().end());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (bodies[i].is_fixed()) continue;
+      if (!is_finite(states[i]) || std::abs(states[i].orientation.norm() - 1.0) > 1e-9) {
+        return fail(Fault::invalid, fmt::format("state of body {} is not finite or its quaternion "
+                                                "is not of length 1 within 1e-9",
+                                                i));
+      }
+      brickbench::set_state(bodies[i], states[i]);
+    }
+    simulator_.set_bodies(bodies);
+    diagnostics_.clear();
+    return {};
+  }
+
+  Audit audit() const override;
+  ContactLaw pair_law(std::size_t a, std::size_t b) const override {
+    const auto& bodies = simulator_.bodies();
+    return {.friction = 0.0,
+            .restitution = simulator_.restitution()(bodies[a].surface, bodies[b].surface)};
+  }
+
+ private:
+  engine::Simulator simulator_;
+  std::vector<Diagnostic> diagnostics_;
+};
+
+Audit BaraffSimulation::audit() const {
+  Audit audit;
+  const engine::Options& o = simulator_.options();
+  audit.gravity_mps2 = o.gravity_mps2;
+  for (const engine::RigidBody& body : simulator_.bodies()) {
+    Shape shape = PlaneShape{};
+    if (const auto* box = std::get_if<engine::Box>(&body.solid)) shape = BoxShape{box->half_m};
+    audit.bodies.push_back({.fixed = body.is_fixed(),
+                            .mass_kg = body.mass_kg,
+                            .inertia_kgm2 = body.inertia_body.diagonal(),
+                            .shape = shape});
+  }
+  const auto fact = [&](const char* name, const char* unit, double value) {
+    audit.settings.push_back({name, unit, fmt::format("{}", value)});
+  };
+  fact("contact_tolerance_m", "m", o.contact_tolerance_m);
+  fact("collision_velocity_mps", "m/s", o.collision_velocity_mps);
+  fact("max_collision_sweeps", "1", o.max_collision_sweeps);
+  fact("velocity_share", "1", o.velocity_share);
+  fact("overlap_share", "1", o.overlap_share);
+  fact("overlap_slop_m", "m", o.overlap_slop_m);
+  fact("max_bisections", "1", o.max_bisections);
+  return audit;
+}
+
+// Fault::unsupported where the world has what this system cannot express.
+Expected<void> check(const World& world, const Settings& settings) {
+  if (settings.threads > 1) {
+    return fail(Fault::unsupported, "this variant has no threads; threads must be 1");
+  }
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (std::holds_alternative<SphereShape>(world.bodies[i].shape)) {
+      return fail(Fault::unsupported,
+                  fmt::format("body '{}' is a sphere; this variant has boxes and fixed planes",
+                              world.bodies[i].name));
+    }
+    for (std::size_t j = 0; j < i && knob(settings, "ignore_friction") == 0.0; ++j) {
+      const double friction = contact_law(world, j, i).friction;
+      if (friction == 0.0 || (world.bodies[i].fixed && world.bodies[j].fixed)) continue;
+      return fail(Fault::unsupported,
+                  fmt::format("friction {} between '{}' and '{}': the paper's law is frictionless; "
+                              "ignore_friction = 1 runs without friction",
+                              friction, world.bodies[j].name, world.bodies[i].name));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Simulation>> build_ourengine_baraff(const World& world,
+                                                             const Settings& settings) {
+  if (auto checked = check(world, settings); !checked) return tl::make_unexpected(checked.error());
+  std::vector<engine::RigidBody> bodies;
+  for (const Body& fact : world.bodies) {
+    bodies.push_back(to_engine(fact));
+    bodies.back().surface = static_cast<int>(bodies.size()) - 1;
+    set_state(bodies.back(), fact.initial);
+  }
+  return std::make_unique<BaraffSimulation>(std::move(bodies), world, settings);
+}
+
+}  // namespace brickbench

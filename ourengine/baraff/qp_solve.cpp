@@ -1,0 +1,246 @@
+#include "ourengine/baraff/qp_solve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "ourengine/baraff/clamped_factor.hpp"
+
+namespace ourengine::baraff {
+namespace {
+
+constexpr double k_regular = 1e-9;    // of A_ii, added to the diagonal
+constexpr double k_pivot = 1e-12;     // of A_dd: below it a contact depends on C
+constexpr double k_change = 1e-6;     // of sqrt(A_ii A_dd); at least sqrt(k_pivot)
+constexpr double k_feasible = 1e-12;  // of max|b|
+constexpr double k_accepted = 1e-10;  // residual above which the regularised method is tried
+constexpr double k_usable = 1e-6;     // residual above which the solve has failed
+constexpr double k_solved = 1e-11;    // residual at which the correction by refine() may stop
+constexpr int k_visits = 2;
+constexpr int k_refinements = 4;
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
+
+enum class Set : unsigned char { none, clamped, free };
+
+class Dantzig {
+ public:
+  Dantzig(const SparseMatrix& a_matrix, const Eigen::VectorXd& b, double regular)
+      : a_matrix_(a_matrix),
+        regular_(regular),
+        b_(b),
+        diagonal_((1.0 + regular) * a_matrix.diagonal()),
+        factor_(b.size()),
+        in_(static_cast<std::size_t>(b.size()), Set::none),
+        place_(static_cast<std::size_t>(b.size()), -1),
+        tolerance_(k_feasible * b.cwiseAbs().maxCoeff()),
+        cap_(4 * static_cast<int>(b.size()) + 100) {
+    result_.force = Eigen::VectorXd::Zero(b.size());
+    result_.acceleration = b;
+  }
+
+  QpResult solve() {
+    for (int visit = 0; visit < k_visits && !result_.failed; ++visit) {
+      for (Eigen::Index d = 0; d < b_.size() && !result_.failed; ++d) {
+        if (in_[at(d)] == Set::none) in_[at(d)] = Set::free;
+        if (result_.acceleration[d] < -tolerance_ && in_[at(d)] == Set::free) drive_to_zero(d);
+      }
+      refine();
+      if (result_.residual <= k_accepted) break;
+    }
+    result_.failed = result_.failed || !(result_.residual < k_infinite);
+    return std::move(result_);
+  }
+
+ private:
+  static std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+  // A_Cd in the order of the factor.
+  Eigen::VectorXd clamped_column(Eigen::Index d) const {
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(factor_.size());
+    for (SparseMatrix::InnerIterator entry(a_matrix_, d); entry; ++entry) {
+      if (const Eigen::Index place = place_[at(entry.col())]; place >= 0) {
+        column[place] = entry.value();
+      }
+    }
+    return column;
+  }
+
+  // Change of all forces per unit of f_d that leaves the clamped accelerations alone.
+  Eigen::VectorXd fdirection(Eigen::Index d) {
+    forward_ = factor_.forward(clamped_column(d));
+    pivot_ = diagonal_[d] - forward_.squaredNorm();
+    const Eigen::VectorXd on_clamped = factor_.backward(forward_);
+    Eigen::VectorXd direction = Eigen::VectorXd::Zero(b_.size());
+    direction[d] = 1.0;
+    for (std::size_t k = 0; k < clamped_.size(); ++k) {
+      direction[clamped_[k]] = -on_clamped[static_cast<Eigen::Index>(k)];
+    }
+    return direction;
+  }
+
+  struct Step {
+    double length = k_infinite;
+    Eigen::Index blocking = -1;
+  };
+
+  // How far f may move until a_d is zero, a clamped force vanishes or a free contact closes.
+  Step maxstep(Eigen::Index d, const Eigen::VectorXd& df, const Eigen::VectorXd& da) const {
+    Step step;
+    if (pivot_ > k_pivot * diagonal_[d]) step = {-result_.acceleration[d] / pivot_, d};
+    for (const Eigen::Index i : clamped_) {
+      if (df[i] >= 0.0) continue;
+      const double length = result_.force[i] / -df[i];
+      if (length < step.length) step = {length, i};
+    }
+    const double change = regular_ > 0.0 ? 0.0 : k_change * std::sqrt(diagonal_[d]);
+    for (Eigen::Index i = 0; i < b_.size(); ++i) {
+      if (in_[at(i)] != Set::free || !(da[i] < -change * std::sqrt(diagonal_[i]))) continue;
+      const double length = std::max(0.0, result_.acceleration[i]) / -da[i];
+      if (length < step.length) step = {length, i};
+    }
+    return step;
+  }
+
+  // False where i depends on C: its acceleration stays zero all the same.
+  bool clamp(Eigen::Index i) {
+    const Eigen::VectorXd y = factor_.forward(clamped_column(i));
+    const double pivot = diagonal_[i] - y.squaredNorm();
+    if (!(pivot > k_pivot * diagonal_[i])) return false;
+    in_[at(i)] = Set::clamped;
+    place_[at(i)] = factor_.size();
+    clamped_.push_back(i);
+    factor_.append(y, pivot);
+    return true;
+  }
+
+  void release(Eigen::Index i) {
+    const Eigen::Index place = place_[at(i)];
+    factor_.remove(place);
+    clamped_.erase(clamped_.begin() + place);
+    for (std::size_t k = at(place); k < clamped_.size(); ++k) --place_[at(clamped_[k])];
+    place_[at(i)] = -1;
+    in_[at(i)] = Set::free;
+    result_.force[i] = 0.0;
+    result_.acceleration[i] = 0.0;
+  }
+
+  // Raises f_d from zero until a_d is zero, keeping the three conditions at all other contacts.
+  void drive_to_zero(Eigen::Index d) {
+    in_[at(d)] = Set::none;
+    while (result_.acceleration[d] < -tolerance_) {
+      const Eigen::VectorXd df = fdirection(d);
+      const Eigen::VectorXd da = a_matrix_ * df + regular_ * a_matrix_.diagonal().cwiseProduct(df);
+      const auto [length, blocking] = maxstep(d, df, da);
+      result_.failed = ++result_.pivots > cap_ || !(length < k_infinite);
+      if (result_.failed) return;
+      if (length <= 0.0) ++result_.zero_steps;
+      result_.force += length * df;
+      result_.acceleration += length * da;
+      for (const Eigen::Index i : clamped_) result_.acceleration[i] = 0.0;
+      if (blocking == d) break;
+      if (in_[at(blocking)] == Set::clamped) {
+        release(blocking);
+      } else {
+        result_.acceleration[blocking] = 0.0;
+        static_cast<void>(clamp(blocking));
+      }
+    }
+    result_.acceleration[d] = 0.0;
+    in_[at(d)] = Set::free;
+    settle(d);
+  }
+
+  // Clamps d, whose acceleration is zero. Where d depends on C its force is handed over to C, until
+  // it vanishes or a contact leaves that d can replace.
+  void settle(Eigen::Index d) {
+    while (result_.force[d] > 0.0 && !clamp(d)) {
+      const Eigen::VectorXd df = fdirection(d);
+      double length = result_.force[d];
+      Eigen::Index blocking = -1;
+      for (const Eigen::Index i : clamped_) {
+        if (df[i] > 0.0 && result_.force[i] / df[i] < length) {
+          length = result_.force[i] / df[i];
+          blocking = i;
+        }
+      }
+      result_.force -= length * df;
+      ++result_.pivots;
+      if (blocking >= 0) {
+        release(blocking);
+      } else {
+        result_.force[d] = 0.0;
+      }
+    }
+  }
+
+  // Newton's correction of a_C = 0 for A itself, the factor being that of the regularised matrix:
+  // each round divides what is left of a_C by about 1e6.
+  void refine() {
+    for (int round = 0;; ++round) {
+      result_.acceleration = a_matrix_ * result_.force + b_;
+      result_.residual =
+          complementarity_residual(a_matrix_, b_, result_.force, result_.acceleration);
+      if (round == k_refinements || result_.residual <= k_solved || clamped_.empty()) return;
+      Eigen::VectorXd left(factor_.size());
+      for (std::size_t k = 0; k < clamped_.size(); ++k) {
+        left[static_cast<Eigen::Index>(k)] = result_.acceleration[clamped_[k]];
+      }
+      const Eigen::VectorXd correction = factor_.backward(factor_.forward(left));
+      for (std::size_t k = 0; k < clamped_.size(); ++k) {
+        double& force = result_.force[clamped_[k]];
+        force = std::max(0.0, force - correction[static_cast<Eigen::Index>(k)]);
+      }
+    }
+  }
+
+  const SparseMatrix& a_matrix_;
+  double regular_;  // 0, or the share of the diagonal that is added to it
+  const Eigen::VectorXd& b_;
+  Eigen::VectorXd diagonal_;
+  ClampedFactor factor_;
+  std::vector<Eigen::Index> clamped_;  // order of the factor's rows
+  std::vector<Set> in_;
+  std::vector<Eigen::Index> place_;  // row in the factor, or -1
+  double tolerance_;
+  int cap_;
+  Eigen::VectorXd forward_;
+  double pivot_ = 0.0;
+  QpResult result_;
+};
+
+}  // namespace
+
+double complementarity_residual(const SparseMatrix& a_matrix, const Eigen::VectorXd& b,
+                                const Eigen::VectorXd& force, const Eigen::VectorXd& acceleration) {
+  const Eigen::VectorXd scaled = a_matrix.diagonal().cwiseProduct(force);
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < b.size(); ++i) {
+    const double violation = std::abs(std::min(scaled[i], acceleration[i]));
+    if (!(violation < k_infinite) || std::isnan(scaled[i])) return k_infinite;
+    worst = std::max(worst, violation);
+  }
+  const double scale = b.size() == 0 ? 0.0 : b.cwiseAbs().maxCoeff();
+  return scale > 0.0 ? worst / scale : worst;
+}
+
+QpResult qp_solve(const SparseMatrix& a_matrix, const Eigen::VectorXd& b) {
+  if (b.size() == 0) return {};
+  if (!b.allFinite()) {
+    QpResult failure{Eigen::VectorXd::Zero(b.size()), b, k_infinite, 0, 0, true};
+    return failure;
+  }
+  QpResult plain = Dantzig(a_matrix, b, 0.0).solve();
+  if (!plain.failed && plain.residual <= k_accepted) return plain;
+  QpResult regular = Dantzig(a_matrix, b, k_regular).solve();
+  QpResult& better = regular.residual < plain.residual ? regular : plain;
+  const int pivots = plain.pivots + regular.pivots;
+  const int zero_steps = plain.zero_steps + regular.zero_steps;
+  better.pivots = pivots;
+  better.zero_steps = zero_steps;
+  better.retried = true;
+  better.failed = !(better.residual <= k_usable);
+  return std::move(better);
+}
+
+}  // namespace ourengine::baraff

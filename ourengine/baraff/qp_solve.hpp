@@ -1,0 +1,44 @@
+// The frictionless contact forces: f >= 0, a = A f + b >= 0, f . a = 0 (componentwise).
+//
+// Source: D. Baraff, Fast contact force computation for nonpenetrating rigid bodies, SIGGRAPH 1994,
+// section 4 (compute-forces, drive-to-zero, fdirection, maxstep); H. Darji, P. Alur, Explosion
+// Simulator, "Resting Contact" (QP_Solve). The clamped set C holds contacts with f > 0, a = 0, NC
+// those with f = 0, a >= 0.
+// Departures:
+//  * A_CC is kept as a Cholesky factor that grows by a row and shrinks by Givens rotations.
+//  * A of a wall is singular. A contact whose Schur pivot is below 1e-12 A_dd depends on C and
+//  never
+//    enters it: C changes by the contacts that leave. The ratio test ignores accelerations that
+//    change by less than 1e-6 sqrt(A_ii A_dd), the most that a refused contact can show.
+//  * Where this ends above a residual of 1e-10 (ties can make it cycle), the same method runs on
+//    A + 1e-9 diag(A), which is regular; `retried` says so. The clamped forces are then corrected
+//    for A itself, and the better of both results is returned; residuals are always those of A.
+//  * An acceleration above -1e-12 max|b| counts as not negative.
+//  * At most 4 n + 100 pivots per try. A residual above 1e-6 is a failure and reported as such.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace ourengine::baraff {
+
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+struct QpResult {
+  Eigen::VectorXd force;         // (contacts)
+  Eigen::VectorXd acceleration;  // (contacts), A f + b computed from the final f
+  double residual = 0.0;         // max |min(A_ii f_i, a_i)| / max|b|; infinite if not finite
+  int pivots = 0;                // changes of the clamped set
+  int zero_steps = 0;            // pivots of length zero
+  bool retried = false;          // on the regularised matrix
+  bool failed = false;           // residual above 1e-6 or not finite
+};
+
+// A: (contacts, contacts) symmetric positive semidefinite; b: (contacts).
+QpResult qp_solve(const SparseMatrix& a_matrix, const Eigen::VectorXd& b);
+
+// max |min(A_ii f_i, a_i)| / max|b|: zero exactly when all three conditions hold.
+double complementarity_residual(const SparseMatrix& a_matrix, const Eigen::VectorXd& b,
+                                const Eigen::VectorXd& force, const Eigen::VectorXd& acceleration);
+
+}  // namespace ourengine::baraff

@@ -1,0 +1,36 @@
+// The system a = A f + b of the resting contacts.
+//
+// Source: D. Baraff, Rigid Body Simulation II, section 9 "Resting Contact" and appendix D
+// (compute_contact_forces, compute_a_matrix, compute_aij, compute_b_vector, compute_ndot); H.
+// Darji, P. Alur, Explosion Simulator, "Resting Contact". Departures: A is sparse, since only
+// contacts with a common body have an entry.
+
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ourengine/baraff/collision.hpp"
+#include "ourengine/baraff/qp_solve.hpp"
+
+namespace ourengine::baraff {
+
+// Relative normal velocity (m/s), negative where the bodies approach.
+double relative_normal_velocity(std::span<const RigidBody> bodies, const Collision& contact);
+
+// Rate of change (1/s) of the normal as obj2's face turns, or as both edges turn.
+Eigen::Vector3d compute_ndot(std::span<const RigidBody> bodies, const Collision& contact);
+
+// Relative normal acceleration (m/s2) at contact i per newton at contact j.
+double compute_aij(std::span<const RigidBody> bodies, const Collision& i, const Collision& j);
+
+// (contacts, contacts), 1/kg, symmetric positive semidefinite.
+SparseMatrix compute_a_matrix(std::span<const RigidBody> bodies,
+                              std::span<const Collision> contacts);
+
+// (contacts), m/s2: relative normal accelerations without contact forces, from force_n and
+// torque_nm of the bodies and their motion (centripetal, gyroscopic and turning normal).
+Eigen::VectorXd compute_b_vector(std::span<const RigidBody> bodies,
+                                 std::span<const Collision> contacts);
+
+}  // namespace ourengine::baraff

@@ -1,0 +1,187 @@
+#include "ourengine/baraff/simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ourengine/integration/forward_euler.hpp"
+
+namespace ourengine::baraff {
+namespace {
+
+constexpr int k_bisection_halvings = 60;
+
+}  // namespace
+
+Options paper_options() {
+  Options options;
+  options.velocity_share = 0.0;
+  options.overlap_share = 0.0;
+  return options;
+}
+
+Simulator::Simulator(std::vector<RigidBody> bodies, RestitutionTable restitution, Options options)
+    : bodies_(std::move(bodies)),
+      restitution_(std::move(restitution)),
+      options_(options),
+      loads_(bodies_.size()) {
+  for (RigidBody& body : bodies_) compute_derived(body);
+}
+
+void Simulator::apply(std::span<const Load> loads) { std::ranges::copy(loads, loads_.begin()); }
+
+void Simulator::set_bodies(std::span<const RigidBody> bodies) {
+  std::ranges::copy(bodies, bodies_.begin());
+  for (RigidBody& body : bodies_) compute_derived(body);
+  std::ranges::fill(loads_, Load{});
+  contacts_.clear();
+  report_ = {};
+}
+
+const StepReport& Simulator::step() {
+  report_ = {};
+  contacts_.clear();
+  double left_s = options_.step_s;
+  while (left_s > 0.0) {
+    accumulate_forces();
+    find_collisions(bodies_, options_.contact_tolerance_m, collisions_);
+    separate_overlaps();
+    const int sweeps =
+        colliding_contact(bodies_, collisions_, restitution_, options_.collision_velocity_mps,
+                          options_.max_collision_sweeps);
+    report_.colliding_iterations += sweeps;
+    report_.collisions_unfinished |= sweeps > options_.max_collision_sweeps;
+    resting_contact(left_s);
+    left_s -= move(left_s);
+  }
+  std::ranges::fill(loads_, Load{});
+  return report_;
+}
+
+void Simulator::accumulate_forces() {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    bodies_[i].force_n = bodies_[i].mass_kg * options_.gravity_mps2 + loads_[i].force_n;
+    bodies_[i].torque_nm = loads_[i].torque_nm;
+  }
+}
+
+// Smallest moves, measured by kinetic energy, that leave no contact deeper than the slop: the
+// system of the resting contacts with displacements in place of accelerations.
+void Simulator::separate_overlaps() {
+  if (options_.overlap_share == 0.0 || deepest_gap() >= -options_.overlap_slop_m) return;
+  const auto n = static_cast<Eigen::Index>(collisions_.size());
+  Eigen::VectorXd gap(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double gap_m = collisions_[static_cast<std::size_t>(i)].gap_m;
+    gap[i] = gap_m < 0.0 ? options_.overlap_share * gap_m : gap_m;
+  }
+  const QpResult solved = qp_solve(compute_a_matrix(bodies_, collisions_), gap);
+  report_.overlap_residual = std::max(report_.overlap_residual, solved.residual);
+  report_.pivots += solved.pivots;
+  report_.zero_steps += solved.zero_steps;
+  report_.retried += solved.retried ? 1 : 0;
+  if (solved.failed) {
+    ++report_.overlaps_left;
+    return;
+  }
+  std::vector<RigidBody> moves = bodies_;
+  for (RigidBody& body : moves) {
+    body.linear_momentum_ns.setZero();
+    body.angular_momentum_nms.setZero();
+    body.force_n.setZero();
+    body.torque_nm.setZero();
+    compute_derived(body);
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    apply_collision(moves, collisions_[static_cast<std::size_t>(i)], solved.force[i]);
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    forward_euler(moves[i], 1.0);  // its velocities are displacements
+    bodies_[i].position_m = moves[i].position_m;
+    bodies_[i].orientation = moves[i].orientation;
+    compute_derived(bodies_[i]);
+  }
+  find_collisions(bodies_, options_.contact_tolerance_m, collisions_);
+}
+
+void Simulator::resting_contact(double step_s) {
+  report_.contacts = std::max(report_.contacts, static_cast<int>(collisions_.size()));
+  std::vector<Collision> resting;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < collisions_.size(); ++i) {
+    const ContactType type =
+        collision_type(bodies_, collisions_[i], options_.collision_velocity_mps);
+    if (type == ContactType::separating) continue;
+    resting.push_back(collisions_[i]);
+    index.push_back(i);
+  }
+  report_.resting_contacts = std::max(report_.resting_contacts, static_cast<int>(resting.size()));
+  if (!resting.empty()) {
+    Eigen::VectorXd b = compute_b_vector(bodies_, resting);
+    for (Eigen::Index i = 0; i < b.size(); ++i) {
+      b[i] += options_.velocity_share / step_s *
+              relative_normal_velocity(bodies_, resting[static_cast<std::size_t>(i)]);
+    }
+    const QpResult solved = qp_solve(compute_a_matrix(bodies_, resting), b);
+    report_.complementarity_residual = std::max(report_.complementarity_residual, solved.residual);
+    report_.pivots += solved.pivots;
+    report_.zero_steps += solved.zero_steps;
+    report_.retried += solved.retried ? 1 : 0;
+    report_.failed |= solved.failed;
+    for (std::size_t i = 0; !solved.failed && i < resting.size(); ++i) {
+      const Collision& contact = resting[i];
+      const double force = solved.force[static_cast<Eigen::Index>(i)];
+      RigidBody& one = bodies_[contact.obj1];
+      RigidBody& two = bodies_[contact.obj2];
+      one.force_n += force * contact.normal;
+      two.force_n -= force * contact.normal;
+      one.torque_nm += (contact.location - one.position_m).cross(force * contact.normal);
+      two.torque_nm -= (contact.location - two.position_m).cross(force * contact.normal);
+      collisions_[index[i]].impulse_ns += force * step_s;
+    }
+  }
+}
+
+void Simulator::integrate(double step_s) {
+  for (RigidBody& body : bodies_) forward_euler(body, step_s);
+}
+
+double Simulator::deepest_gap() {
+  double deepest = HUGE_VAL;
+  for (const Collision& contact : collisions_) deepest = std::min(deepest, contact.gap_m);
+  return deepest;
+}
+
+// Moves by step_s, or to the time of contact if bisection is asked for; returns the time moved.
+double Simulator::move(double step_s) {
+  const std::vector<Collision> used = collisions_;
+  const double before_m = std::min(deepest_gap(), 0.0);
+  const std::vector<RigidBody> start = bodies_;
+  double moved_s = step_s;
+  integrate(step_s);
+  if (report_.bisections < options_.max_bisections) {
+    const auto overlaps = [&] {
+      find_collisions(bodies_, options_.contact_tolerance_m, collisions_);
+      return deepest_gap() < before_m - options_.contact_tolerance_m;
+    };
+    double low_s = 0.0;
+    double high_s = step_s;
+    const bool cut = overlaps();
+    for (int k = 0; cut && k < k_bisection_halvings; ++k) {
+      moved_s = 0.5 * (low_s + high_s);
+      bodies_ = start;
+      integrate(moved_s);
+      if (overlaps()) {
+        high_s = moved_s;
+      } else if (deepest_gap() <= options_.contact_tolerance_m) {
+        break;
+      } else {
+        low_s = moved_s;
+      }
+    }
+    if (cut) ++report_.bisections;
+  }
+  contacts_.insert(contacts_.end(), used.begin(), used.end());
+  return moved_s;
+}
+
+}  // namespace ourengine::baraff

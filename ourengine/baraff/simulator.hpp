@@ -1,0 +1,94 @@
+// The simulator of the paper: rigid bodies, separating axes, colliding and resting contact.
+//
+// Source: H. Darji, P. Alur, Explosion Simulator; D. Baraff, Rigid Body Simulation I and II; D.
+// Baraff, Fast contact force computation for nonpenetrating rigid bodies, SIGGRAPH 1994.
+// Frictionless. What the paper leaves open are the Options; paper_options() has its plain choices.
+// World frame, SI. Deterministic: same bodies, options and calls give the same bits.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "ourengine/baraff/colliding_contact.hpp"
+#include "ourengine/baraff/collision.hpp"
+#include "ourengine/baraff/resting_contact.hpp"
+
+namespace ourengine::baraff {
+
+struct Options {
+  double step_s = 0.001;
+  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
+  double contact_tolerance_m = 1e-6;     // a larger gap is no contact
+  double collision_velocity_mps = 1e-3;  // slower approach is resting contact
+  int max_collision_sweeps = 20000;
+  // Share of a resting contact's normal velocity v that its force must undo in one step: b gains
+  // share v / h. 0: accelerations alone (the paper); 1: no resting contact is left approaching.
+  double velocity_share = 1.0;
+  // Share of each overlap beyond overlap_slop_m that is undone per step by moving the bodies apart,
+  // velocities untouched. 0: overlaps stay (the paper).
+  double overlap_share = 1.0;
+  double overlap_slop_m = 1e-7;
+  // Baraff, Rigid Body Simulation II, section 7: a step that would overlap is cut at the time of
+  // contact, found by bisection to contact_tolerance_m; at most this many cuts per step. 0: none.
+  int max_bisections = 0;
+};
+
+Options paper_options();
+
+// Force at and torque about the centre of mass.
+struct Load {
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();
+};
+
+// What the last step had to do; worst over its pieces where it was cut.
+struct StepReport {
+  int contacts = 0;
+  int resting_contacts = 0;
+  int colliding_iterations = 0;           // sweeps
+  bool collisions_unfinished = false;     // max_collision_sweeps did not suffice
+  double complementarity_residual = 0.0;  // of the resting contacts, relative
+  double overlap_residual = 0.0;          // the same, of the moves apart
+  int pivots = 0;
+  int zero_steps = 0;
+  int retried = 0;  // solves that needed the regularised matrix, see qp_solve.hpp
+  int bisections = 0;
+  int overlaps_left = 0;  // overlap solves that failed: nothing was moved apart
+  bool failed = false;    // a resting solve failed; its forces were not applied
+};
+
+class Simulator {
+ public:
+  // restitution: (surfaces, surfaces), see RestitutionTable.
+  Simulator(std::vector<RigidBody> bodies, RestitutionTable restitution, Options options);
+
+  // (bodies): held during the next step, then forgotten.
+  void apply(std::span<const Load> loads);
+  const StepReport& step();
+
+  std::span<const RigidBody> bodies() const { return bodies_; }
+  std::span<const Collision> contacts() const { return contacts_; }  // of the last step
+  const StepReport& report() const { return report_; }
+  const Options& options() const { return options_; }
+  const RestitutionTable& restitution() const { return restitution_; }
+  // (bodies): replaces all states; nothing else is remembered between steps.
+  void set_bodies(std::span<const RigidBody> bodies);
+
+ private:
+  void accumulate_forces();
+  void separate_overlaps();
+  void resting_contact(double step_s);
+  double move(double step_s);
+  void integrate(double step_s);
+  double deepest_gap();
+
+  std::vector<RigidBody> bodies_;
+  RestitutionTable restitution_;
+  Options options_;
+  std::vector<Load> loads_;
+  std::vector<Collision> collisions_;  // of the current piece
+  std::vector<Collision> contacts_;    // of all pieces of the step
+  StepReport report_;
+};
+
+}  // namespace ourengine::baraff
