@@ -229,6 +229,7 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
                     .softness_per_kgs = value("cfm")};
   if (value("split_impulse") > 0) {
     scheme.impulse->split_at_gap_m = value("split_impulse_threshold_m");
+    scheme.impulse->split_turn_share = btContactSolverInfo().m_splitImpulseTurnErp;
   }
   return scheme;
 }

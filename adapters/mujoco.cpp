@@ -316,7 +316,10 @@ std::optional<Scheme> mujoco_scheme(const Settings& settings) {
   }
   scheme.attitude = AttitudeRule::exponential;
   scheme.compliant = CompliantContact{.time_constant_s = contact.time_constant_s,
-                                      .damping_ratio = contact.damping_ratio};
+                                      .damping_ratio = contact.damping_ratio,
+                                      // mjc_BoxBox, face contacts: the distance is halved with
+                                      // the point that it belongs to, before it is stored
+                                      .box_gap_share = 0.5};
   scheme.friction =
       knob_value(k_knobs, settings, "cone") > 0.0 ? FrictionSet::circle : FrictionSet::inscribed;
   return scheme;

@@ -43,6 +43,7 @@ struct ImpulseContact {
   double max_correction_mps = std::numeric_limits<double>::infinity();
   // Where gap <= this, the correction moves the position alone (split impulse).
   double split_at_gap_m = -std::numeric_limits<double>::infinity();
+  double split_turn_share = 0.0;  // of the turn that belongs to that correction
   double softness_per_kgs =
       0.0;  // "constraint force mixing": adds softness / h to 1/mass per point
 };
@@ -58,6 +59,7 @@ struct CompliantContact {
   double impedance_width_m = 0.001;
   double impedance_midpoint = 0.5;
   double impedance_power = 2.0;
+  double box_gap_share = 1.0;  // the gap between two boxes counts this much
 };
 
 // The set of friction forces that a contact of normal force N admits.

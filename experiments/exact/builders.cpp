@@ -53,6 +53,7 @@ ContactGeometry flat_contact(std::size_t ground, std::size_t body, double half_h
     contact.gap_m = states[body].position_m.z() - half_height_m;
     contact.position_m = states[body].position_m - Vector3d(0.0, 0.0, half_height_m);
     contact.points = 4;
+    contact.boxes = true;
     contact.central = true;
     contacts.push_back(contact);
   };

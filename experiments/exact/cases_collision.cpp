@@ -94,6 +94,7 @@ ExactRun make_central_boxes(const ParameterValues& p) {
     contact.normal = Vector3d::UnitX();
     contact.gap_m = states[1].position_m.x() - states[0].position_m.x() - 2.0 * half.x();
     contact.points = 4;
+    contact.boxes = true;
     contact.central = true;
     contacts.push_back(contact);
   };
@@ -128,6 +129,7 @@ ExactRun make_off_centre(const ParameterValues& p) {
     contact.position_m = states[1].position_m + states[1].orientation * corner;
     contact.gap_m = contact.normal.dot(contact.position_m - states[0].position_m) - target_half.x();
     contact.points = 2;
+    contact.boxes = true;
     contacts.push_back(contact);
   };
   const World world = run.world;

@@ -59,6 +59,7 @@ struct PointContact {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, from a towards b
   double gap_m = 0.0;
   int points = 1;
+  bool boxes = false;    // both bodies are boxes
   bool central = false;  // the group exerts no torque: position_m has no lever
 };
 // The contacts near closing for given states (bodies).

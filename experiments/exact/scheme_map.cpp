@@ -220,6 +220,11 @@ void shift_split(const Scheme& scheme, const World& world, const Row& row,
   const auto move = [&](std::size_t i, double sign) {
     if (world.bodies[i].fixed) return;
     states[i].position_m += sign * share / world.bodies[i].mass_kg * contact.normal;
+    const Arm& arm = i == contact.body_a ? row.a : row.b;
+    const Vector3d turn_rad = arm.inverse_inertia * arm.lever.cross(sign * share * contact.normal);
+    states[i].orientation =
+        (exponential(scheme.impulse->split_turn_share * turn_rad) * states[i].orientation)
+            .normalized();
   };
   move(contact.body_a, -1.0);
   move(contact.body_b, 1.0);
@@ -286,7 +291,8 @@ bool advance_compliant(const Scheme& scheme, const ExactRun& run, std::span<cons
   const Vector3d x0 = states[i].position_m;
   const Vector3d v0 = states[i].velocity_mps;
   const auto acceleration = [&](const Vector3d& x, const Vector3d& v) -> Vector3d {
-    const double gap = contact.gap_m + n.dot(x - x0);
+    const double share = contact.boxes ? scheme.compliant->box_gap_share : 1.0;
+    const double gap = share * (contact.gap_m + n.dot(x - x0));
     if (gap >= 0.0) return free;
     const double along = compliant_acceleration_mps2(*scheme.compliant, gap, n.dot(v), n.dot(free),
                                                      contact.points, h);
