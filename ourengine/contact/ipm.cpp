@@ -8,9 +8,15 @@ namespace ourengine {
 namespace {
 
 constexpr int kMaxIterations = 80;
-constexpr double kProximal = 1e-9;    // of the Delassus diagonal: bounds the weights of H
-constexpr double kClip = 10.0;        // second-order correction, in units of the mean f w
-constexpr double kToBoundary = 0.99;  // least fraction of the step to the boundary
+constexpr double kProximal = 1e-9;  // of the Delassus diagonal: bounds the weights of H
+constexpr double kClip = 100.0;     // second-order correction, in units of the mean f w
+constexpr int kCentralityCorrectors = 2;
+constexpr double kLongerBy = 1.3;  // the step that a centrality corrector aims at
+constexpr double kLongerPlus = 0.1;
+constexpr double kBand = 0.1;         // products f w outside target * (band, 1 / band) are moved
+constexpr double kLeastGain = 0.2;    // of the longer step, for a corrector to be kept
+constexpr double kToBoundary = 0.99;  // fraction of the step to the boundary: the least ...
+constexpr double kShortOfBoundary = 1.0 - 1e-6;  // ... and the most, near the solution
 
 // Mehrotra's predictor-corrector (On the implementation of a primal-dual interior point method,
 // 1992) for min 1/2 |v - v_free|_M^2 subject to w = J v + b >= 0, with multipliers f. Each step
@@ -39,12 +45,16 @@ class OrthantMethod {
     int iteration = 0;
     for (;; ++iteration) {
       refresh();
-      if (apparent_residual() <= 3.0 * options.tolerance || iteration == limit) keep_best(best);
+      if (apparent_ < least_apparent_) {
+        least_apparent_ = apparent_;
+        f_.assign(o_.f, o_.f + n_);
+        if (apparent_residual() <= 3.0 * options.tolerance) keep_best(best);
+      }
       if (best.residual <= options.tolerance || iteration == limit) break;
-      if (!(complementarity_ < HUGE_VAL)) break;
+      if (!(complementarity_ < HUGE_VAL)) break;  // NaN included
       step();
     }
-    if (!(best.residual < HUGE_VAL)) keep_best(best);
+    keep_best(best);
     best.iterations = iteration;
     best.status = best.residual <= options.tolerance ? SolveStatus::kSolved
                   : iteration == limit               ? SolveStatus::kMaxIterations
@@ -93,8 +103,8 @@ class OrthantMethod {
 
   double apparent_residual() const { return apparent_ / system_.scale_mps(); }
 
+  // Scores the iterate of least apparent residual.
   void keep_best(Outcome& best) {
-    f_.assign(o_.f, o_.f + n_);
     for (std::size_t i = count(); i < n_; ++i) f_[i] = 0.0;
     AlignedDoubles v, w;
     const double residual = contact_residual_of(system_, f_, ContactLaw::kCoulomb, v, w);
@@ -117,6 +127,35 @@ class OrthantMethod {
 
   double largest_step() const { return 1.0 / std::max(ordered_max(o_.ratio, n_), 1e-300); }
 
+  // Gondzio's corrector (Multiple centrality corrections in a primal-dual method for linear
+  // programming, 1996): pulls outlying products f w at a longer step back into a band around the
+  // target, for the price of one solve. Keeps the direction only if the step grows enough.
+  bool correct_centrality(double ratio) {
+    const double now = std::min(1.0, largest_step());
+    if (now >= 0.95) return false;
+    const double aim = std::min(1.0, kLongerBy * now + kLongerPlus);
+    const double target = ratio * ratio * ratio * complementarity_;
+    old_rhs_.assign(o_.rhs, o_.rhs + n_);
+    old_df_.assign(o_.df, o_.df + n_);
+    old_dw_.assign(o_.dw, o_.dw + n_);
+    old_ratio_.assign(o_.ratio, o_.ratio + n_);
+    old_dv_ = dv_;
+    for (std::size_t i = 0; i < n_; ++i) {
+      const double product = (o_.f[i] + aim * o_.df[i]) * (o_.w[i] + aim * o_.dw[i]);
+      const double wanted = std::clamp(product, kBand * target, target / kBand);
+      const double change = std::max(wanted - product, -target / kBand);
+      o_.rhs[i] -= change * o_.inverse_f[i];
+    }
+    direction();
+    if (std::min(1.0, largest_step()) >= now + kLeastGain * (aim - now)) return true;
+    std::copy(old_rhs_.begin(), old_rhs_.end(), o_.rhs);
+    std::copy(old_df_.begin(), old_df_.end(), o_.df);
+    std::copy(old_dw_.begin(), old_dw_.end(), o_.dw);
+    std::copy(old_ratio_.begin(), old_ratio_.end(), o_.ratio);
+    dv_ = old_dv_;
+    return false;
+  }
+
   void step() {
     cone_kernels().orthant_scaling(o_);
     for (std::size_t i = count(); i < n_; ++i) o_.d[i] = 0.0;
@@ -135,8 +174,11 @@ class OrthantMethod {
     cone_kernels().orthant_corrector(o_, ratio * ratio * ratio * complementarity_,
                                      kClip * complementarity_);
     direction();
+    for (int k = 0; k < kCentralityCorrectors && correct_centrality(ratio); ++k) {
+    }
     const double scale = system_.scale_mps();
-    const double damping = std::max(kToBoundary, 1.0 - complementarity_ / (scale * scale));
+    const double damping =
+        std::clamp(1.0 - complementarity_ / (scale * scale), kToBoundary, kShortOfBoundary);
     const double length = std::min(1.0, damping * largest_step());
     for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += length * dv_[i];
     for (std::size_t i = 0; i < n_; ++i) {
@@ -149,10 +191,12 @@ class OrthantMethod {
   BlockCholesky& cholesky_;
   std::size_t n_;
   AlignedDoubles store_, regular_, f_, d_, v_, dv_, momentum_;
+  AlignedDoubles old_rhs_, old_df_, old_dw_, old_ratio_, old_dv_;
   AlignedDoubles change_ = AlignedDoubles(system_.body_doubles(), 0.0);
   OrthantArrays o_;
   double complementarity_ = 1.0;
   double apparent_ = 0.0;
+  double least_apparent_ = HUGE_VAL;
 };
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 using ourengine::contact_residual;
 using ourengine::ContactLaw;
 
-constexpr Tolerance kClosedForm{"residual of a closed-form solution", 1e-15, 1.2e-16,
+constexpr Tolerance kClosedForm{"residual of a closed-form solution", 5e-16, 2.8e-17,
                                 "a handful of roundings relative to max |b|"};
 
 // A point that hits the floor with (3, 4, -2) m/s and mu = 0.5: it stays down with f_n = 2 N s and
