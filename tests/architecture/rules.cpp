@@ -8,7 +8,7 @@ namespace brickbench::architecture {
 namespace {
 
 constexpr std::ptrdiff_t k_longest_file = 450;
-constexpr std::ptrdiff_t k_longest_adapter = 150;
+constexpr std::ptrdiff_t k_longest_adapter = 350;
 
 // Longest prefix decides. Rooms that may see everything are not listed.
 const std::map<std::string, std::vector<std::string>>& arrows() {

@@ -1,0 +1,66 @@
+// The contacts of a step: which points of which bodies, how far apart, and which of them were there
+// a step ago.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ourengine/collision/broad_phase.hpp"
+#include "ourengine/collision/manifold.hpp"
+#include "ourengine/dynamics/model.hpp"
+
+namespace ourengine {
+
+struct ContactPoint {
+  int body_a = 0;  // body_a < body_b
+  int body_b = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     // from a to b
+  double gap_m = 0.0;                                    // < 0: overlap
+  Eigen::Vector3d impulse_ns = Eigen::Vector3d::Zero();  // on b, world frame: of the last solve
+  Eigen::Vector3d anchor_m = Eigen::Vector3d::Zero();    // in the frame of b: recognises the point
+  std::uint64_t id = 0;                                  // kept while the point persists
+};
+
+// Finds contacts with gaps and keeps their names and impulses from step to step. The order of the
+// points is that of the pairs, then of the manifold: the same for the same states.
+class ContactSet {
+ public:
+  // margin_m: points further apart than this, plus what the bodies can approach in a step, are left
+  // out.
+  ContactSet(std::span<const BodyModel> bodies, double margin_m);
+
+  // (bodies) motions at the start of the step; reach_m: (bodies) how far any point of the body can
+  // move in this step. Impulses of persisting points are carried over.
+  void update(std::span<const Motion> motions, std::span<const double> reach_m, double step_s);
+
+  std::span<const ContactPoint> points() const { return points_; }
+  std::span<ContactPoint> points() { return points_; }
+
+  // Forgets all history: the next update() is as the first.
+  void clear();
+
+ private:
+  void add_manifold(int a, int b, const Manifold& manifold, std::span<const Motion> motions);
+  Manifold collide(int a, int b, std::span<const Motion> motions, double margin_m) const;
+  Manifold collide_fast(int a, int b, std::span<const Motion> motions, double step_s,
+                        double margin_m) const;
+  void inherit(ContactPoint& point, std::size_t first_of_pair);
+
+  std::span<const BodyModel> bodies_;
+  double margin_m_;
+  BroadPhase broad_phase_;
+  std::vector<double> thickness_m_;  // smallest edge or diameter per body
+  std::vector<Aabb> boxes_;
+  std::vector<ContactPoint> points_;
+  std::vector<ContactPoint> previous_;
+  std::vector<bool> inherited_;
+  std::uint64_t next_id_ = 1;
+};
+
+// Radius of the smallest ball about the centre that holds the shape; infinite for a plane.
+double bounding_radius_m(const Geometry& geometry);
+
+}  // namespace ourengine

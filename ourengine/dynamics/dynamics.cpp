@@ -1,0 +1,204 @@
+#include "ourengine/dynamics/dynamics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ourengine {
+namespace {
+
+// A body set moving by an impact may reach others that were too far away when the step began: the
+// contacts are then looked up again, at most so many times.
+constexpr int k_pass_limit = 4;
+// Room for the solution of the next pass to be a little faster still.
+constexpr double k_reach_growth = 1.25;
+
+// Two tangents, right-handed with the normal; depends on nothing but the normal.
+void complete_frame(ProblemContact& contact) {
+  Eigen::Index axis = 0;
+  contact.normal.cwiseAbs().minCoeff(&axis);
+  contact.tangent_1 = contact.normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
+  contact.tangent_2 = contact.normal.cross(contact.tangent_1);
+}
+
+Eigen::Vector3d to_frame(const ProblemContact& contact, const Eigen::Vector3d& world) {
+  return {contact.normal.dot(world), contact.tangent_1.dot(world), contact.tangent_2.dot(world)};
+}
+
+}  // namespace
+
+Dynamics::Dynamics(std::vector<BodyModel> bodies, std::vector<Motion> motions, SurfaceLaws laws,
+                   DynamicsOptions options)
+    : bodies_(std::move(bodies)),
+      motions_(std::move(motions)),
+      laws_(std::move(laws)),
+      options_(options),
+      loads_(bodies_.size()),
+      contacts_(bodies_, options.margin_m),
+      reach_m_(bodies_.size(), 0.0),
+      memory_(std::make_unique<SolverMemory>()) {}
+
+void Dynamics::apply(std::span<const Load> loads) { std::ranges::copy(loads, loads_.begin()); }
+
+void Dynamics::set_motions(std::span<const Motion> motions) {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!bodies_[i].fixed) motions_[i] = motions[i];
+  }
+  contacts_.clear();
+  memory_ = std::make_unique<SolverMemory>();
+}
+
+const StepReport& Dynamics::step() {
+  report_ = {};
+  report_.passes = 0;
+  expect_reach();
+  do {
+    contacts_.update(motions_, reach_m_, options_.step_s);
+    state_problem();
+    solve();
+  } while (widen_reach() && report_.passes < k_pass_limit);
+  integrate();
+  std::ranges::fill(loads_, Load{});
+  return report_;
+}
+
+// How far each body gets in this step if it keeps its velocity, gravity included.
+void Dynamics::expect_reach() {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    reach_m_[i] = 0.0;
+    if (bodies_[i].fixed) continue;
+    const double spin_radps = angular_velocity_radps(motions_[i].attitude, bodies_[i].inertia_kgm2,
+                                                     motions_[i].angular_momentum_kgm2ps)
+                                  .norm();
+    reach_m_[i] = options_.step_s * (motions_[i].velocity_mps.norm() +
+                                     spin_radps * bounding_radius_m(bodies_[i].geometry));
+  }
+}
+
+Eigen::Matrix3d Dynamics::world_inertia(std::size_t body) const {
+  const Eigen::Matrix3d r = motions_[body].attitude.toRotationMatrix();
+  return r * bodies_[body].inertia_kgm2.asDiagonal() * r.transpose();
+}
+
+// Everything that the solvers need to know of this step: M, J, gaps, free velocity, mu, e.
+void Dynamics::state_problem() {
+  problem_.step_s = options_.step_s;
+  problem_.recovery_mps = options_.recovery_limit_mps;
+  problem_.bodies.resize(bodies_.size());
+  problem_.free_velocity.resize(bodies_.size());
+  std::vector<Velocity6> before(bodies_.size(), Velocity6::Zero());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    ProblemBody& body = problem_.bodies[i];
+    body.fixed = bodies_[i].fixed;
+    problem_.free_velocity[i].setZero();
+    if (body.fixed) continue;
+    body.mass_kg = bodies_[i].mass_kg;
+    body.inertia_kgm2 = world_inertia(i);
+    const auto spin = [&](const Eigen::Vector3d& momentum) {
+      return angular_velocity_radps(motions_[i].attitude, bodies_[i].inertia_kgm2, momentum);
+    };
+    const Eigen::Vector3d& momentum = motions_[i].angular_momentum_kgm2ps;
+    before[i] << motions_[i].velocity_mps, spin(momentum);
+    problem_.free_velocity[i] << motions_[i].velocity_mps +
+                                     options_.step_s * (options_.gravity_mps2 +
+                                                        loads_[i].force_n / bodies_[i].mass_kg),
+        spin(momentum + options_.step_s * loads_[i].torque_nm);
+  }
+
+  const double resting_mps =
+      options_.resting_approach_steps * options_.step_s * options_.gravity_mps2.norm();
+  problem_.contacts.clear();
+  for (const ContactPoint& point : contacts_.points()) {
+    const auto a = static_cast<std::size_t>(point.body_a);
+    const auto b = static_cast<std::size_t>(point.body_b);
+    ProblemContact contact;
+    contact.body_a = point.body_a;
+    contact.body_b = point.body_b;
+    contact.arm_a_m = point.position_m - motions_[a].position_m;
+    contact.arm_b_m = point.position_m - motions_[b].position_m;
+    contact.normal = point.normal;
+    complete_frame(contact);
+    contact.gap_m = point.gap_m < 0.0 ? options_.overlap_recovery * point.gap_m : point.gap_m;
+    const SurfaceLaw& law = laws_(bodies_[a].surface, bodies_[b].surface);
+    contact.friction = options_.frictionless ? 0.0 : law.friction;
+    contact.approach_mps =
+        point.normal.dot(before[b].head<3>() + before[b].tail<3>().cross(contact.arm_b_m) -
+                         before[a].head<3>() - before[a].tail<3>().cross(contact.arm_a_m));
+    contact.restitution = contact.approach_mps < -resting_mps ? law.restitution : 0.0;
+    contact.id = point.id;
+    problem_.contacts.push_back(contact);
+  }
+}
+
+WarmStart Dynamics::warm_start() const {
+  WarmStart warm;
+  const auto points = contacts_.points();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    warm.impulses_ns.push_back(to_frame(problem_.contacts[k], points[k].impulse_ns));
+  }
+  return warm;
+}
+
+void Dynamics::solve() {
+  ++report_.passes;
+  report_.contacts = static_cast<int>(problem_.contacts.size());
+  if (problem_.contacts.empty()) {
+    solution_ = {};
+    solution_.velocity = problem_.free_velocity;
+  } else {
+    solution_ = options_.solver(problem_, options_.solve, warm_start(), *memory_);
+  }
+  report_.residual = solution_.residual;
+  report_.status = solution_.status;
+  report_.method = solution_.method;
+  report_.iterations += solution_.iterations;
+  report_.factorisations += solution_.factorisations;
+  const auto points = contacts_.points();
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const ProblemContact& contact = problem_.contacts[k];
+    const Eigen::Vector3d& impulse = solution_.impulse_ns[k];
+    points[k].impulse_ns = impulse[0] * contact.normal + impulse[1] * contact.tangent_1 +
+                           impulse[2] * contact.tangent_2;
+  }
+}
+
+// Whether some body moves further in this step than the search for contacts assumed.
+bool Dynamics::widen_reach() {
+  bool missed = false;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].fixed) continue;
+    const Velocity6& velocity = solution_.velocity[i];
+    const double needed_m =
+        options_.step_s * (velocity.head<3>().norm() +
+                           velocity.tail<3>().norm() * bounding_radius_m(bodies_[i].geometry));
+    if (needed_m <= reach_m_[i] + 0.5 * options_.margin_m) continue;
+    reach_m_[i] = k_reach_growth * needed_m;
+    missed = true;
+  }
+  return missed;
+}
+
+void Dynamics::integrate() {
+  std::vector<bool> in_contact(bodies_.size(), false);
+  for (std::size_t k = 0; k < problem_.contacts.size(); ++k) {
+    if (solution_.impulse_ns[k].isZero(0.0)) continue;
+    in_contact[static_cast<std::size_t>(problem_.contacts[k].body_a)] = true;
+    in_contact[static_cast<std::size_t>(problem_.contacts[k].body_b)] = true;
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].fixed) continue;
+    Motion& motion = motions_[i];
+    const Eigen::Vector3d velocity = solution_.velocity[i].head<3>();
+    motion.position_m +=
+        options_.step_s * (in_contact[i] ? velocity : 0.5 * (motion.velocity_mps + velocity));
+    motion.velocity_mps = velocity;
+    motion.angular_momentum_kgm2ps =
+        in_contact[i]
+            ? Eigen::Vector3d(problem_.bodies[i].inertia_kgm2 * solution_.velocity[i].tail<3>())
+            : Eigen::Vector3d(motion.angular_momentum_kgm2ps +
+                              options_.step_s * loads_[i].torque_nm);
+    motion.attitude = rotate(options_.rotation, motion.attitude, bodies_[i].inertia_kgm2,
+                             motion.angular_momentum_kgm2ps, options_.step_s);
+  }
+}
+
+}  // namespace ourengine

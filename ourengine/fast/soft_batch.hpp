@@ -1,0 +1,88 @@
+// Soft contact constraints, eight manifolds at a time, and the passes over them.
+//
+// A batch holds manifolds of one colour: no two of them share a moving body, so the lanes are
+// independent and the order inside a colour does not matter. Velocities are of sub-steps, single
+// precision; positions stay double and are touched once per step only.
+//
+// Two implementations of each pass: SIMD (Highway, chosen at run time for the processor) and a
+// plain scalar twin that reads like the algorithm and is the oracle of tests. Neither contracts
+// products and sums, and lanes never mix: both give the same bits.
+//
+// Source: E. Catto, Solver2D, 2024 (soft step: one biased and one relaxing sweep per sub-step);
+// M. Macklin et al., Small Steps in Physics Simulation, SCA 2019. Departures: friction is that of a
+// manifold (two tangents and a twist at its centre), and the warm start of a sub-step costs no pass
+// (see fast_dynamics.cpp).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace ourengine {
+
+inline constexpr int k_lanes = 8;
+inline constexpr int k_soft_points = 4;
+
+using Lane = std::array<float, k_lanes>;
+using Lane3 = std::array<Lane, 3>;
+
+// One row of the Jacobian of a manifold: only the angular parts differ between its points.
+struct alignas(64) SoftRow {
+  Lane3 arm_a;   // r_a x direction
+  Lane3 arm_b;   // r_b x direction
+  Lane3 turn_a;  // I_a^-1 arm_a
+  Lane3 turn_b;  // I_b^-1 arm_b
+};
+
+struct alignas(64) SoftPoint {
+  SoftRow row;
+  Lane mass;         // effective mass, kg; 0: no such point in this lane
+  Lane gap;          // m, at the start of the step
+  Lane impulse;      // N s per sub-step, accumulated
+  Lane bounce;       // m/s: velocity to leave with, 0 without restitution
+  Lane max_impulse;  // largest impulse of the step
+};
+
+struct alignas(64) SoftBatch {
+  std::array<std::int32_t, k_lanes> body_a;  // index into the velocities; the last body is at rest
+  std::array<std::int32_t, k_lanes> body_b;
+  Lane3 normal;  // from a to b
+  std::array<Lane3, 2> tangent;
+  Lane inverse_mass_a;
+  Lane inverse_mass_b;
+  std::array<SoftPoint, k_soft_points> point;
+  int points = 0;  // largest number of points over the lanes
+  std::array<SoftRow, 2> friction_row;
+  Lane friction_mass_11, friction_mass_12, friction_mass_22;  // inverse of the 2x2 matrix
+  std::array<Lane, 2> friction_impulse;
+  Lane3 twist_a;  // I_a^-1 normal
+  Lane3 twist_b;
+  Lane twist_mass;
+  Lane twist_impulse;
+  Lane twist_arm;  // m: mean distance of the points from their centre
+  Lane friction;
+};
+
+// Per body: linear x y z, 0, angular x y z, 0. The last body stands for everything fixed.
+using SoftVector = std::array<float, 8>;
+
+struct SoftStep {
+  float step_s;          // of a sub-step
+  float bias_rate_hz;    // share of an overlap that is pushed out per second
+  float mass_scale;      // of the soft constraint, 1: rigid
+  float impulse_scale;   // of the soft constraint, 0: rigid
+  float push_limit_mps;  // an overlap is never pushed out faster
+};
+
+// One sweep over the batches of one colour. `biased` pushes overlaps apart; the relaxing sweep
+// after the positions have moved takes that velocity out again and applies friction. velocity,
+// moved: (bodies + 1); moved is displacement (m) and rotation (rad) since the step began.
+void soft_sweep(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
+                std::span<SoftVector> velocity, std::span<const SoftVector> moved);
+void soft_sweep_scalar(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
+                       std::span<SoftVector> velocity, std::span<const SoftVector> moved);
+
+// Newton's law of restitution for points that were struck during the step.
+void soft_bounce(std::span<SoftBatch> batches, std::span<SoftVector> velocity);
+
+}  // namespace ourengine

@@ -1,0 +1,53 @@
+// Running-bond walls for tests of the velocity-level engines.
+#pragma once
+
+#include <vector>
+
+#include "ourengine/dynamics/model.hpp"
+
+namespace ourengine::testing {
+
+struct Wall {
+  std::vector<BodyModel> bodies;
+  std::vector<Motion> motions;
+};
+
+inline void add_brick(Wall& wall, const Eigen::Vector3d& half_m, const Eigen::Vector3d& at_m,
+                      const Eigen::Vector3d& velocity_mps = Eigen::Vector3d::Zero(),
+                      double density_kgpm3 = 2000.0) {
+  BodyModel body;
+  body.geometry = BoxGeometry{half_m};
+  body.mass_kg = density_kgpm3 * 8.0 * half_m.prod();
+  const Eigen::Vector3d squares = half_m.cwiseAbs2();
+  body.inertia_kgm2 = body.mass_kg / 3.0 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
+  wall.bodies.push_back(body);
+  Motion motion;
+  motion.position_m = at_m;
+  motion.velocity_mps = velocity_mps;
+  wall.motions.push_back(motion);
+}
+
+// Ground, then courses of 0.2 x 0.1 x 0.1 m bricks along x, half bricks at the ends of odd courses.
+inline Wall running_bond(int columns, int courses) {
+  Wall wall;
+  BodyModel ground;
+  ground.geometry = PlaneGeometry{};
+  ground.fixed = true;
+  wall.bodies.push_back(ground);
+  wall.motions.push_back({});
+  const Eigen::Vector3d whole(0.1, 0.05, 0.05);
+  const Eigen::Vector3d half(0.05, 0.05, 0.05);
+  for (int k = 0; k < courses; ++k) {
+    const double z = 0.05 + 0.1 * k;
+    if (k % 2 == 0) {
+      for (int i = 0; i < columns; ++i) add_brick(wall, whole, {0.2 * i + 0.1, 0.0, z});
+      continue;
+    }
+    add_brick(wall, half, {0.05, 0.0, z});
+    for (int i = 0; i + 1 < columns; ++i) add_brick(wall, whole, {0.2 * (i + 1), 0.0, z});
+    add_brick(wall, half, {0.2 * columns - 0.05, 0.0, z});
+  }
+  return wall;
+}
+
+}  // namespace ourengine::testing
