@@ -61,11 +61,13 @@ ContactSolution solve_one(const ContactProblem& problem, const SolveOptions& opt
     keep_better(best, {alm(system, few, best.outcome.f, memory.cholesky), "alm"});
   }
   if (!solved(best, options)) keep_better(best, interior_point(system, options, memory));
-  if (!solved(best, options) && friction) {
+  SolveOptions slipping = options;
+  slipping.tolerance = std::max(options.tolerance, options.slip_tolerance);
+  if (!solved(best, slipping) && friction) {
     const AlignedDoubles nothing(system.rows(), 0.0);
-    keep_better(best, {newton(system, options, nothing, memory.lu), "newton"});
+    keep_better(best, {newton(system, slipping, nothing, memory.lu), "newton"});
   }
-  best.outcome.status = solved(best, options) ? SolveStatus::kSolved : SolveStatus::kStalled;
+  best.outcome.status = solved(best, slipping) ? SolveStatus::kSolved : SolveStatus::kStalled;
   ContactSolution solution = hand_back(problem, system, best.outcome, best.method);
   solution.factorisations = memory.cholesky.factorisations() + memory.lu.factorisations() - before;
   return solution;

@@ -14,12 +14,13 @@ constexpr int kMaxHalvings = 5;       // of one line search
 constexpr int kMaxSlowSteps = 2;      // that reduce the merit by less than a tenth
 constexpr double kSufficient = 1e-2;  // decrease of the merit, per step length
 constexpr double kColdSoftness = 5.0;
-constexpr double kWarmSoftness = 1e-3;
+constexpr double kWarmSoftness = 30.0;  // times the residual of the start
+constexpr double kLeastWarmSoftness = 1e-5;
 constexpr double kMaxSoftness = 1.0;
 constexpr double kLeastSoftness = 1e-7;
-constexpr double kHarder = 0.7;       // softness after a solved inner problem, at the least ...
-constexpr double kHarderFirst = 0.5;  // ... at first, then by kRelax more careful
-constexpr double kRelax = 0.95;
+// Softness after an inner problem that was solved; the lagged method starts near its goal.
+constexpr double kHarder = 0.7;
+constexpr double kHarderLagged = 0.25;
 constexpr double kSofter = 2.5;          // softness after an inner problem that was given up
 constexpr double kInnerAccuracy = 0.01;  // merit at which an inner problem is solved, in units of
                                          // residual * softness
@@ -60,8 +61,8 @@ class ProximalNewton {
     double residual = best.residual;
     v_ = best.v;
     const bool cold = std::all_of(start.begin(), start.end(), [](double x) { return x == 0.0; });
-    double softness = cold ? kColdSoftness : kWarmSoftness;
-    double harder = kHarderFirst;
+    double softness = cold ? kColdSoftness
+                           : std::clamp(kWarmSoftness * residual, kLeastWarmSoftness, kMaxSoftness);
     int since_best = 0;
     while (best.residual > options.tolerance && steps_ < limit && since_best < kPatience) {
       ++since_best;
@@ -72,7 +73,6 @@ class ProximalNewton {
       if (!solve_inner(goal, limit)) {
         v_ = before;
         softness = std::min(kMaxSoftness, kSofter * softness);
-        harder = kHarderFirst;
         continue;
       }
       centre_ = f_;
@@ -84,8 +84,7 @@ class ProximalNewton {
         best.v = v;
         best.residual = residual;
       }
-      harder = std::max(kHarder, kRelax * harder);
-      softness = std::max(kLeastSoftness, harder * softness);
+      softness = std::max(kLeastSoftness, (lagged_ ? kHarderLagged : kHarder) * softness);
     }
     best.iterations = steps_;
     best.status = best.residual <= options.tolerance ? SolveStatus::kSolved

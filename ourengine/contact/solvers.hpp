@@ -18,6 +18,9 @@ namespace ourengine {
 struct SolveOptions {
   double tolerance = 1e-10;  // on the residual of the solver's law
   int max_iterations = 0;    // of the solver's own unit; 0: its default
+  // solve_exact() only: a problem that neither the warm start nor the interior point solves has
+  // contacts that slip, where each digit is dear; its residual need not be below this.
+  double slip_tolerance = 0.0;
 };
 
 // Impulses to start from, one per contact of the problem; empty: a cold start.
