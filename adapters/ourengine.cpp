@@ -2,49 +2,116 @@
 //
 // Choices (docs/engines/ourengine.md):
 //  * baraff: the paper's system with overlap handling; paper: its plain choices. Both frictionless:
-//    a world in which a pair may rub is refused, unless ignore_friction is 1.
-//  * Refused: spheres, and several threads.
+//    a world in which a pair may rub is refused, unless ignore_friction is 1. No spheres.
+//  * exact: Coulomb's law with restitution at velocity level, solved to a residual every step.
+//  * lcp: the frictionless law at velocity level, with a choice of solvers.
+//  * fast: soft contacts in small sub-steps, velocities in single precision.
+//  * Refused: several threads.
 #include <algorithm>
+#include <map>
 
 #include "adapters/ourengine_variants.hpp"
 
 namespace brickbench {
 namespace {
 
+using Rows = std::vector<KnobRow>;
+
+template <std::size_t... sizes>
+Rows rows(const std::array<KnobRow, sizes>&... tables) {
+  Rows all;
+  (all.insert(all.end(), tables.begin(), tables.end()), ...);
+  return all;
+}
+
 struct Entry {
   Variant variant;
+  Rows knobs;
   Expected<std::unique_ptr<Simulation>> (*build)(const World&, const Settings&);
 };
 
-// One line per variant; the first is the default.
+// One entry per variant; the first is the default.
 std::vector<Entry> entries() {
   return {
       {{"baraff", "the paper's system; overlaps are undone; Dantzig pivoting, frictionless"},
+       rows(k_baraff_knobs),
        &build_ourengine_baraff},
       {{"paper", "the paper's plain choices: no overlap handling; frictionless"},
+       rows(k_baraff_knobs),
        &build_ourengine_baraff},
+      {{"exact", "Coulomb friction and restitution at velocity level, solved to a stated residual"},
+       rows(k_exact_knobs),
+       &build_ourengine_exact},
+      {{"lcp", "the paper's frictionless law at velocity level; solver selectable"},
+       rows(k_exact_knobs, k_lcp_knobs),
+       &build_ourengine_lcp},
+      {{"fast", "soft contacts in small sub-steps, eight manifolds at a time"},
+       rows(k_fast_knobs),
+       &build_ourengine_fast},
   };
+}
+
+// Knobs of all variants; one that several variants have is listed once.
+std::vector<Knob> all_knobs() {
+  std::vector<Knob> knobs;
+  for (const Entry& entry : entries()) {
+    for (const Knob& knob : to_knobs(entry.knobs)) {
+      if (std::ranges::find(knobs, knob.name, &Knob::name) == knobs.end()) knobs.push_back(knob);
+    }
+  }
+  return knobs;
+}
+
+// A knob that belongs to another variant would have no effect: it is refused instead.
+Expected<void> check_knobs(const Entry& entry, const Settings& settings) {
+  for (const auto& [name, value] : settings.knobs) {
+    const bool known = std::ranges::any_of(
+        entry.knobs, [&name = name](const KnobRow& row) { return name == row.name; });
+    if (!known) {
+      return fail(Fault::invalid, fmt::format("variant '{}' has no knob '{}'; other variants do",
+                                              entry.variant.name, name));
+    }
+  }
+  return check_ranges(entry.knobs, settings);
 }
 
 Expected<std::unique_ptr<Simulation>> build_ourengine(const World& world,
                                                       const Settings& settings) {
-  if (auto ranges = check_ranges(k_ourengine_knobs, settings); !ranges) {
-    return tl::make_unexpected(ranges.error());
+  if (settings.threads > 1) {
+    return fail(Fault::unsupported, "ourengine runs on one thread; threads must be 1");
   }
   const auto all = entries();
   const auto entry =
       std::ranges::find(all, settings.variant, [](const Entry& e) { return e.variant.name; });
+  if (auto knobs = check_knobs(*entry, settings); !knobs) {
+    return tl::make_unexpected(knobs.error());
+  }
   return entry->build(world, settings);
 }
 
 }  // namespace
+
+Expected<void> refuse_friction(const World& world, const Settings& settings) {
+  if (knob_or(settings, "ignore_friction", 0.0) == 1.0) return {};
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double friction = contact_law(world, j, i).friction;
+      if (friction == 0.0 || (world.bodies[i].fixed && world.bodies[j].fixed)) continue;
+      return fail(Fault::unsupported,
+                  fmt::format("friction {} between '{}' and '{}': the law of this variant is "
+                              "frictionless; ignore_friction = 1 runs without friction",
+                              friction, world.bodies[j].name, world.bodies[i].name));
+    }
+  }
+  return {};
+}
 
 Adapter ourengine_adapter() {
   Adapter adapter{.name = "ourengine",
                   .version = OURENGINE_VERSION,
                   .precision = "f64",
                   .variants = {},
-                  .knobs = to_knobs(k_ourengine_knobs),
+                  .knobs = all_knobs(),
                   .build = &build_ourengine,
                   .own = true};
   for (const Entry& entry : entries()) adapter.variants.push_back(entry.variant);

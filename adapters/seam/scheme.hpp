@@ -11,7 +11,7 @@ namespace brickbench {
 
 // How the position follows the velocity over one step h under an acceleration a held constant.
 enum class PositionRule {
-  old_velocity,   // explicit Euler: x += h v, v += h a
+  old_velocity,   // explicit Euler: x += h v, v += h a; attitudes turn with the old spin too
   new_velocity,   // semi-implicit (symplectic) Euler: v += h a, x += h v
   mean_velocity,  // exact for constant a: x += h v + h^2/2 a
   runge_kutta_4,  // classical: four stages of velocity and acceleration, also in contact
@@ -20,10 +20,11 @@ enum class PositionRule {
 // How the gyroscopic torque -w x I w enters the angular velocity.
 enum class GyroscopicRule {
   neglected,
-  explicit_body,    // I w+ = I w - h w x I w
-  newton_body,      // one Newton step on I (w+ - w) + h w+ x I w+ = 0 in the body frame
-  frozen_momentum,  // I w+ = I w - h w+ x I w, with I of the step's start
-  runge_kutta_4,    // classical Runge-Kutta on Euler's equations in the body frame
+  explicit_body,     // I w+ = I w - h w x I w
+  newton_body,       // one Newton step on I (w+ - w) + h w+ x I w+ = 0 in the body frame
+  frozen_momentum,   // I w+ = I w - h w+ x I w, with I of the step's start
+  runge_kutta_4,     // classical Runge-Kutta on Euler's equations in the body frame
+  spatial_momentum,  // L+ = L + h torque in the world frame, w+ = I(q+)^-1 L+
 };
 
 // How the orientation follows the angular velocity.

@@ -53,6 +53,20 @@ void runge_kutta_rotation(const Vector3d& inertia, const Vector3d& torque_world,
   state.angular_velocity_radps = state.orientation * Vector3d(w0 + h * mean_rate);
 }
 
+// The momentum in the world frame changes by the torque alone; the spin follows from it.
+void turn_with_momentum(const Scheme& scheme, const Vector3d& inertia, const Vector3d& torque_world,
+                        double h, State& state) {
+  const auto spin = [&](const Quaterniond& q, const Vector3d& momentum) -> Vector3d {
+    return q * (q.conjugate() * momentum).cwiseQuotient(inertia);
+  };
+  const Quaterniond q = state.orientation;
+  const Vector3d before = state.angular_velocity_radps;
+  const Vector3d momentum = q * inertia.cwiseProduct(q.conjugate() * before) + h * torque_world;
+  const bool old = scheme.position == PositionRule::old_velocity;
+  state.orientation = next_attitude(scheme.attitude, q, old ? before : spin(q, momentum), h);
+  state.angular_velocity_radps = spin(state.orientation, momentum);
+}
+
 void advance_position(PositionRule rule, const Vector3d& old_velocity, double h, State& state) {
   switch (rule) {
     case PositionRule::old_velocity:
@@ -324,6 +338,7 @@ Vector3d next_spin_radps(GyroscopicRule rule, const Vector3d& inertia_kgm2,
   const Matrix3d inertia = inertia_kgm2.asDiagonal();
   switch (rule) {
     case GyroscopicRule::neglected:
+    case GyroscopicRule::spatial_momentum:  // of the attitude, not of the spin alone
       return w + pushed;
     case GyroscopicRule::explicit_body:
     case GyroscopicRule::runge_kutta_4:
@@ -357,13 +372,19 @@ State next_free_state(const Scheme& scheme, const Body& body, const State& state
     runge_kutta_rotation(body.inertia_kgm2, wrench.torque_nm, step_s, next);
     return next;
   }
+  if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
+    turn_with_momentum(scheme, body.inertia_kgm2, wrench.torque_nm, step_s, next);
+    return next;
+  }
   const Quaterniond to_body = state.orientation.conjugate();
   const Vector3d spin =
       next_spin_radps(scheme.gyroscopic, body.inertia_kgm2, to_body * state.angular_velocity_radps,
                       to_body * wrench.torque_nm, step_s);
   next.angular_velocity_radps = state.orientation * spin;
+  const bool old = scheme.position == PositionRule::old_velocity;
   next.orientation =
-      next_attitude(scheme.attitude, state.orientation, next.angular_velocity_radps, step_s);
+      next_attitude(scheme.attitude, state.orientation,
+                    old ? state.angular_velocity_radps : next.angular_velocity_radps, step_s);
   return next;
 }
 

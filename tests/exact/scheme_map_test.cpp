@@ -180,6 +180,54 @@ TEST(SchemeMap, SquareFrictionSetBendsTheWay) {
   EXPECT_NEAR(bent, -dx * w + dy * c, 0.002);
 }
 
+TEST(SchemeMap, TargetVelocityFollowsEachRule) {
+  ImpulseContact c;
+  c.error_reduction = 0.2;
+  const double h = 0.01;
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.1, -1.0, h), 2.0) << "the larger: 0.2 0.1/0.01";
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.01, -1.0, h), 0.5) << "the larger: e v";
+  c.sum_of_targets = true;
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.1, -1.0, h), 2.5) << "the sum";
+  c.max_correction_mps = 0.1;
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.1, -1.0, h), 0.6) << "correction limited";
+  c.split_at_gap_m = 0.0;
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.1, -1.0, h), 0.5) << "correction split off";
+  c.restitution_threshold_mps = 2.0;
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.1, -1.0, h), 0.0) << "too slow to bounce";
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.5, -0.1, 1.0, h), 0.0) << "separating";
+  c.margin_m = c.split_at_gap_m = 0.02;
+  c.approach_allowed = true;
+  EXPECT_DOUBLE_EQ(target_velocity_mps(c, 0.0, 0.01, -3.0, h), -1.0) << "may close the gap";
+  EXPECT_EQ(target_velocity_mps(c, 0.0, 0.03, -3.0, h), -HUGE_VAL) << "no row";
+}
+
+// Momentum in the world frame, attitude by q + h/2 (0, w) q with the spin of the step's start.
+TEST(SchemeMap, SpatialMomentumIsKeptWhileTheAttitudeDrifts) {
+  Scheme s;
+  s.position = PositionRule::old_velocity;
+  s.gyroscopic = GyroscopicRule::spatial_momentum;
+  s.attitude = AttitudeRule::normalised_euler;
+  const Body body = build(testing::find_case("rotation.torque_free_3")).value().world.bodies[0];
+  State state = body.initial;
+  const Vector3d start = spin_momentum_nms(body, state);
+  Eigen::Vector4d q(1.0, 0.0, 0.0, 0.0);
+  Vector3d w = state.angular_velocity_radps;
+  const double h = 0.002;
+  for (int step = 0; step < 500; ++step) {
+    state = next_free_state(s, body, state, Wrench{}, Vector3d::Zero(), h);
+    const Eigen::Vector4d rate(-w.dot(q.tail<3>()), 0, 0, 0);
+    Eigen::Vector4d next = q + 0.5 * h * rate;
+    next.tail<3>() += 0.5 * h * (q[0] * w + w.cross(q.tail<3>()));
+    q = next.normalized();
+    const Eigen::Matrix3d r = Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+    w = (r * body.inertia_kgm2.asDiagonal() * r.transpose()).inverse() * start;
+  }
+  Worst worst;
+  worst.see((spin_momentum_nms(body, state) - start).norm() / start.norm(), "momentum");
+  worst.see((state.angular_velocity_radps - w).norm(), "spin");
+  EXPECT_TRUE(worst.within(k_sums));
+}
+
 TEST(SchemeMap, CradleHitAtOnceFollowsNewtonsComplementarity) {
   const std::vector<double> values = discrete("impact.cradle", impulse_scheme());
   Worst worst;
