@@ -14,7 +14,7 @@ namespace engine = ourengine::baraff;
 
 double knob(const Settings& settings, std::string_view name) {
   const auto row = std::ranges::find_if(
-      k_ourengine_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
+      k_baraff_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
   return knob_or(settings, name, settings.variant == "paper" ? row->library : row->tuned);
 }
 
@@ -186,25 +186,13 @@ Audit BaraffSimulation::audit() const {
 
 // Fault::unsupported where the world has what this system cannot express.
 Expected<void> check(const World& world, const Settings& settings) {
-  if (settings.threads > 1) {
-    return fail(Fault::unsupported, "this variant has no threads; threads must be 1");
+  for (const Body& body : world.bodies) {
+    if (!std::holds_alternative<SphereShape>(body.shape)) continue;
+    return fail(
+        Fault::unsupported,
+        fmt::format("body '{}' is a sphere; this variant has boxes and fixed planes", body.name));
   }
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    if (std::holds_alternative<SphereShape>(world.bodies[i].shape)) {
-      return fail(Fault::unsupported,
-                  fmt::format("body '{}' is a sphere; this variant has boxes and fixed planes",
-                              world.bodies[i].name));
-    }
-    for (std::size_t j = 0; j < i && knob(settings, "ignore_friction") == 0.0; ++j) {
-      const double friction = contact_law(world, j, i).friction;
-      if (friction == 0.0 || (world.bodies[i].fixed && world.bodies[j].fixed)) continue;
-      return fail(Fault::unsupported,
-                  fmt::format("friction {} between '{}' and '{}': the paper's law is frictionless; "
-                              "ignore_friction = 1 runs without friction",
-                              friction, world.bodies[j].name, world.bodies[i].name));
-    }
-  }
-  return {};
+  return refuse_friction(world, settings);
 }
 
 }  // namespace

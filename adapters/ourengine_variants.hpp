@@ -8,8 +8,8 @@
 
 namespace brickbench {
 
-// `library` is the paper's plain choice (variant `paper`), `tuned` that of `baraff`.
-inline constexpr std::array k_ourengine_knobs = {
+// Variants `baraff` and `paper`. `library` is the paper's plain choice, `tuned` that of `baraff`.
+inline constexpr std::array k_baraff_knobs = {
     KnobRow{"ignore_friction", "1", 0, 0, 0, 1, true,
             "1: pairs with friction run frictionless, and the audit says so; 0: they are refused"},
     KnobRow{"contact_tolerance_m", "m", 1e-6, 1e-6, 1e-12, 1e-2, false,
@@ -27,8 +27,61 @@ inline constexpr std::array k_ourengine_knobs = {
             "times per step that bisection looks for the time of contact"},
 };
 
+// Variant `exact`, and `lcp`, which has all of them too.
+inline constexpr std::array k_exact_knobs = {
+    KnobRow{"tolerance", "1", 1e-10, 1e-10, 1e-14, 1e-2, false,
+            "residual of the contact law that a solve must reach, relative"},
+    KnobRow{"slip_tolerance", "1", 1e-6, 1e-6, 1e-14, 1e-2, false,
+            "the same where contacts slip in an impact and each digit is dear"},
+    KnobRow{"integrator", "1", 2, 2, 0, 2, true,
+            "of the attitude: 0 semi-implicit, 1 CF4, 2 discrete Moser-Veselov"},
+    KnobRow{"margin_m", "m", 1e-3, 1e-3, 1e-9, 1e-1, false,
+            "gap up to which contacts are stated, beyond what bodies approach in a step"},
+    KnobRow{"overlap_recovery", "1", 0.2, 0.2, 0, 1, false, "share of an overlap undone per step"},
+    KnobRow{"recovery_limit_mps", "m/s", 1, 1, 0, 100, false,
+            "an overlap is never undone faster than this"},
+    KnobRow{"resting_approach_steps", "1", 2, 2, 0, 1000, false,
+            "an approach slower than this many steps of gravity does not bounce"},
+};
+
+// Variant `lcp`, beside k_exact_knobs.
+inline constexpr std::array k_lcp_knobs = {
+    KnobRow{"solver", "1", 0, 0, 0, 2, true,
+            "of the frictionless problem: 0 interior point, 1 Dantzig, 2 projected Gauss-Seidel"},
+    KnobRow{"ignore_friction", "1", 0, 0, 0, 1, true,
+            "1: pairs with friction run frictionless, and the audit says so; 0: they are refused"},
+};
+
+// Variant `fast`.
+inline constexpr std::array k_fast_knobs = {
+    KnobRow{"substep_s", "s", 1.0 / 1920, 1.0 / 1920, 1e-6, 1, false,
+            "longest sub-step: a step is cut into equal parts no longer than this"},
+    KnobRow{"contact_frequency_hz", "1/s", 1e9, 1e9, 1, 1e12, false,
+            "stiffness of contacts; at most 1/8 of the sub-step rate is used"},
+    KnobRow{"damping_ratio", "1", 10, 10, 0, 1000, false, "of the contacts"},
+    KnobRow{"push_limit_mps", "m/s", 3, 3, 0, 100, false,
+            "an overlap is never pushed out faster than this"},
+    KnobRow{"margin_m", "m", 1e-3, 1e-3, 1e-9, 1e-1, false,
+            "gap up to which contacts are stated, beyond what bodies approach in a step"},
+    KnobRow{"resting_approach_mps", "m/s", 0.1, 0.1, 0, 100, false,
+            "a slower approach does not bounce"},
+};
+
 // The paper's system: variants `baraff` and `paper`.
 Expected<std::unique_ptr<Simulation>> build_ourengine_baraff(const World& world,
                                                              const Settings& settings);
+// Velocity-level contact with friction, the exact law.
+Expected<std::unique_ptr<Simulation>> build_ourengine_exact(const World& world,
+                                                            const Settings& settings);
+// The paper's frictionless law at velocity level.
+Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
+                                                          const Settings& settings);
+// Soft contact in small steps.
+Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
+                                                           const Settings& settings);
+
+// Fault::unsupported where bodies that may meet have friction and `ignore_friction` is not turned:
+// for the laws that have none.
+Expected<void> refuse_friction(const World& world, const Settings& settings);
 
 }  // namespace brickbench

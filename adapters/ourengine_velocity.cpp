@@ -1,0 +1,280 @@
+// The velocity-level variants of ourengine as Simulations: translation alone, see ourengine.cpp.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "adapters/ourengine_variants.hpp"
+#include "ourengine/dynamics/dynamics.hpp"
+#include "ourengine/fast/fast_dynamics.hpp"
+
+namespace brickbench {
+namespace {
+
+namespace engine = ourengine;
+
+engine::BodyModel to_model(const Body& fact, int surface) {
+  engine::BodyModel model;
+  model.geometry = engine::PlaneGeometry{};
+  if (const auto* box = std::get_if<BoxShape>(&fact.shape)) {
+    model.geometry = engine::BoxGeometry{box->half_extents_m};
+  } else if (const auto* sphere = std::get_if<SphereShape>(&fact.shape)) {
+    model.geometry = engine::SphereGeometry{sphere->radius_m};
+  }
+  model.fixed = fact.fixed;
+  model.mass_kg = fact.mass_kg;
+  model.inertia_kgm2 = fact.inertia_kgm2;
+  model.surface = surface;
+  return model;
+}
+
+engine::Motion to_motion(const State& state, const engine::BodyModel& model) {
+  engine::Motion motion{state.position_m, state.orientation, state.velocity_mps, {0, 0, 0}};
+  if (!model.fixed) {
+    const Eigen::Matrix3d r = state.orientation.toRotationMatrix();
+    motion.angular_momentum_kgm2ps =
+        r * model.inertia_kgm2.cwiseProduct(r.transpose() * state.angular_velocity_radps);
+  }
+  return motion;
+}
+
+State to_state(const engine::Motion& motion, const engine::BodyModel& model) {
+  State state{motion.position_m, motion.attitude, motion.velocity_mps, {0, 0, 0}};
+  if (!model.fixed) {
+    state.angular_velocity_radps = engine::angular_velocity_radps(
+        motion.attitude, model.inertia_kgm2, motion.angular_momentum_kgm2ps);
+  }
+  return state;
+}
+
+// Kinds of surface of the world, and their laws, by the first body of each kind.
+struct Surfaces {
+  std::vector<int> of_body;
+  engine::SurfaceLaws laws;
+};
+
+Surfaces surfaces_of(const World& world) {
+  std::vector<int> known;
+  std::vector<std::size_t> example;
+  Surfaces surfaces;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const auto found = std::ranges::find(known, world.bodies[i].surface);
+    surfaces.of_body.push_back(static_cast<int>(found - known.begin()));
+    if (found != known.end()) continue;
+    known.push_back(world.bodies[i].surface);
+    example.push_back(i);
+  }
+  const int kinds = static_cast<int>(known.size());
+  surfaces.laws = engine::SurfaceLaws(kinds);
+  for (int a = 0; a < kinds; ++a) {
+    for (int b = 0; b <= a; ++b) {
+      const ContactLaw law = contact_law(world, example[static_cast<std::size_t>(a)],
+                                         example[static_cast<std::size_t>(b)]);
+      surfaces.laws.set(a, b, {law.friction, law.restitution});
+    }
+  }
+  return surfaces;
+}
+
+std::vector<Diagnostic> diagnostics_of(const engine::StepReport& report) {
+  return {{"contact_residual", "1", report.residual},
+          {"contacts", "1", double(report.contacts)},
+          {"iterations", "1", double(report.iterations)},
+          {"factorisations", "1", double(report.factorisations)},
+          {"passes", "1", double(report.passes)},
+          {"unsolved", "1", report.status == engine::SolveStatus::kSolved ? 0.0 : 1.0}};
+}
+
+std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
+  return {{"contacts", "1", double(report.contacts)},
+          {"manifolds", "1", double(report.manifolds)},
+          {"colours", "1", double(report.colours)}};
+}
+
+std::vector<AuditFact> facts_of(const engine::DynamicsOptions& o) {
+  return {{"rotation", "1", engine::rotation_name(o.rotation)},
+          {"tolerance", "1", fmt::format("{}", o.solve.tolerance)},
+          {"slip_tolerance", "1", fmt::format("{}", o.solve.slip_tolerance)},
+          {"margin_m", "m", fmt::format("{}", o.margin_m)},
+          {"overlap_recovery", "1", fmt::format("{}", o.overlap_recovery)},
+          {"recovery_limit_mps", "m/s", fmt::format("{}", o.recovery_limit_mps)},
+          {"frictionless", "1", o.frictionless ? "1" : "0"}};
+}
+
+std::vector<AuditFact> facts_of(const engine::FastOptions& o) {
+  return {{"substeps", "1", fmt::format("{}", o.substeps)},
+          {"contact_frequency_hz", "1/s", fmt::format("{}", o.contact_hz)},
+          {"damping_ratio", "1", fmt::format("{}", o.damping_ratio)},
+          {"push_limit_mps", "m/s", fmt::format("{}", o.push_limit_mps)},
+          {"margin_m", "m", fmt::format("{}", o.margin_m)}};
+}
+
+bool frictionless(const engine::DynamicsOptions& options) { return options.frictionless; }
+bool frictionless(const engine::FastOptions&) { return false; }
+
+// Engine is Dynamics or FastDynamics: the same calls, other options and reports.
+template <typename Engine>
+class VelocitySimulation final : public Simulation,
+                                 ContactView,
+                                 StateView,
+                                 AuditView,
+                                 DiagnosticView {
+ public:
+  template <typename Options>
+  VelocitySimulation(const std::vector<engine::BodyModel>& bodies,
+                     const std::vector<engine::Motion>& motions, const engine::SurfaceLaws& laws,
+                     const Options& options)
+      : engine_(bodies, motions, laws, options) {}
+
+  void apply(std::span<const Wrench> wrenches) override {
+    std::vector<engine::Load> loads;
+    for (const Wrench& w : wrenches) loads.push_back({w.force_n, w.torque_nm});
+    engine_.apply(loads);
+  }
+
+  Expected<void> step() override {
+    diagnostics_ = diagnostics_of(engine_.step());
+    for (const engine::Motion& motion : engine_.motions()) {
+      if (!motion.position_m.allFinite() || !motion.attitude.coeffs().allFinite() ||
+          !motion.velocity_mps.allFinite() || !motion.angular_momentum_kgm2ps.allFinite()) {
+        return fail(Fault::diverged, "a state is not finite");
+      }
+    }
+    return {};
+  }
+
+  void read(std::span<State> states) const override {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      states[i] = to_state(engine_.motions()[i], engine_.bodies()[i]);
+    }
+  }
+
+  const ContactView* contact_view() const override { return this; }
+  StateView* state_view() override { return this; }
+  const AuditView* audit_view() const override { return this; }
+  const DiagnosticView* diagnostic_view() const override { return this; }
+  std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+
+  void contacts(std::vector<Contact>& contacts) const override {
+    contacts.clear();
+    for (const engine::ContactPoint& p : engine_.contacts()) {
+      contacts.push_back({static_cast<std::size_t>(p.body_a), static_cast<std::size_t>(p.body_b),
+                          p.position_m, p.normal, p.gap_m, p.impulse_ns});
+    }
+  }
+
+  Expected<void> set_state(std::span<const State> states) override {
+    std::vector<engine::Motion> motions;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (!is_finite(states[i]) || std::abs(states[i].orientation.norm() - 1.0) > 1e-9) {
+        return fail(Fault::invalid, fmt::format("state of body {} is not finite or its quaternion "
+                                                "is not of length 1 within 1e-9",
+                                                i));
+      }
+      motions.push_back(to_motion(states[i], engine_.bodies()[i]));
+    }
+    engine_.set_motions(motions);
+    diagnostics_.clear();
+    return {};
+  }
+
+  Audit audit() const override {
+    Audit audit;
+    audit.gravity_mps2 = engine_.options().gravity_mps2;
+    for (const engine::BodyModel& body : engine_.bodies()) {
+      Shape shape = PlaneShape{};
+      if (const auto* box = std::get_if<engine::BoxGeometry>(&body.geometry)) {
+        shape = BoxShape{box->half_m};
+      } else if (const auto* sphere = std::get_if<engine::SphereGeometry>(&body.geometry)) {
+        shape = SphereShape{sphere->radius_m};
+      }
+      audit.bodies.push_back(
+          {.fixed = body.fixed,
+           .mass_kg = body.fixed ? 0.0 : body.mass_kg,
+           .inertia_kgm2 = body.fixed ? Eigen::Vector3d(0, 0, 0) : body.inertia_kgm2,
+           .shape = shape});
+    }
+    audit.settings = facts_of(engine_.options());
+    return audit;
+  }
+
+  ContactLaw pair_law(std::size_t a, std::size_t b) const override {
+    const auto& law = engine_.laws()(engine_.bodies()[a].surface, engine_.bodies()[b].surface);
+    return {frictionless(engine_.options()) ? 0.0 : law.friction, law.restitution};
+  }
+
+ private:
+  Engine engine_;
+  std::vector<Diagnostic> diagnostics_;
+};
+
+template <typename Engine, typename Options>
+std::unique_ptr<Simulation> simulate(const World& world, const Options& options) {
+  const Surfaces surfaces = surfaces_of(world);
+  std::vector<engine::BodyModel> bodies;
+  std::vector<engine::Motion> motions;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    bodies.push_back(to_model(world.bodies[i], surfaces.of_body[i]));
+    motions.push_back(to_motion(world.bodies[i].initial, bodies.back()));
+  }
+  return std::make_unique<VelocitySimulation<Engine>>(bodies, motions, surfaces.laws, options);
+}
+
+engine::DynamicsOptions exact_options(const World& world, const Settings& settings) {
+  const auto value = [&](std::string_view name) {
+    return knob_value(k_exact_knobs, settings, name);
+  };
+  engine::DynamicsOptions options;
+  options.step_s = settings.step_s;
+  options.gravity_mps2 = world.gravity_mps2;
+  options.rotation = static_cast<engine::RotationScheme>(static_cast<int>(value("integrator")));
+  options.solver = &engine::solve_exact;
+  options.solve.tolerance = value("tolerance");
+  options.solve.slip_tolerance = value("slip_tolerance");
+  options.margin_m = value("margin_m");
+  options.overlap_recovery = value("overlap_recovery");
+  options.recovery_limit_mps = value("recovery_limit_mps");
+  options.resting_approach_steps = value("resting_approach_steps");
+  return options;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Simulation>> build_ourengine_exact(const World& world,
+                                                            const Settings& settings) {
+  return simulate<engine::Dynamics>(world, exact_options(world, settings));
+}
+
+Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
+                                                          const Settings& settings) {
+  if (auto checked = refuse_friction(world, settings); !checked) {
+    return tl::make_unexpected(checked.error());
+  }
+  constexpr std::array<engine::Solver, 3> solvers = {&engine::solve_ipm, &engine::solve_dantzig,
+                                                     &engine::solve_nsgs};
+  engine::DynamicsOptions options = exact_options(world, settings);
+  options.frictionless = true;
+  options.solver = solvers[static_cast<std::size_t>(knob_value(k_lcp_knobs, settings, "solver"))];
+  return simulate<engine::Dynamics>(world, options);
+}
+
+Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
+                                                           const Settings& settings) {
+  const auto value = [&](std::string_view name) {
+    return knob_value(k_fast_knobs, settings, name);
+  };
+  engine::FastOptions options;
+  options.step_s = settings.step_s;
+  // The quotient of two roundings may land a hair above a whole number.
+  options.substeps =
+      std::max(1, static_cast<int>(std::ceil(settings.step_s / value("substep_s") - 1e-9)));
+  options.gravity_mps2 = world.gravity_mps2;
+  options.margin_m = value("margin_m");
+  options.contact_hz = value("contact_frequency_hz");
+  options.damping_ratio = value("damping_ratio");
+  options.push_limit_mps = value("push_limit_mps");
+  options.resting_approach_mps = value("resting_approach_mps");
+  return simulate<engine::FastDynamics>(world, options);
+}
+
+}  // namespace brickbench
