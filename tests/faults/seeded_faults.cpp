@@ -1,0 +1,362 @@
+#include "tests/faults/seeded_faults.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "adapters/catalog.hpp"
+
+namespace brickbench::testing {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+template <typename Edit>
+void each_moving(World& world, const Edit& edit) {
+  for (Body& body : world.bodies) {
+    if (!body.fixed) edit(body);
+  }
+}
+
+void each_law(World& world, void (*edit)(ContactLaw&)) {
+  edit(world.law);
+  for (PairLaw& pair : world.exceptions) edit(pair.law);
+}
+
+std::vector<std::size_t> moving(const World& world) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (!world.bodies[i].fixed) indices.push_back(i);
+  }
+  return indices;
+}
+
+constexpr std::array k_faults = {
+    SeededFault{.name = "none", .story = "the correct engine"},
+    // Facts translated wrongly.
+    SeededFault{.name = "gravity_1_percent",
+                .story = "gravity times 1.01",
+                .world = [](World& w) { w.gravity_mps2 *= 1.01; }},
+    SeededFault{.name = "gravity_missing",
+                .story = "gravity never passed on",
+                .world = [](World& w) { w.gravity_mps2.setZero(); }},
+    SeededFault{.name = "gravity_sideways",
+                .story = "only the vertical part of gravity passed on",
+                .world = [](World& w) { w.gravity_mps2.head<2>().setZero(); }},
+    SeededFault{.name = "friction_ignored",
+                .story = "friction 0",
+                .world = [](World& w) { each_law(w, [](ContactLaw& l) { l.friction = 0.0; }); }},
+    SeededFault{
+        .name = "friction_squared",
+        .story = "both surfaces carry mu and the engine multiplies them",
+        .world = [](World& w) { each_law(w, [](ContactLaw& l) { l.friction *= l.friction; }); }},
+    SeededFault{.name = "restitution_ignored",
+                .story = "restitution 0",
+                .world = [](World& w) { each_law(w, [](ContactLaw& l) { l.restitution = 0.0; }); }},
+    SeededFault{
+        .name = "restitution_squared",
+        .story = "both surfaces carry e and the engine multiplies them",
+        .world =
+            [](World& w) { each_law(w, [](ContactLaw& l) { l.restitution *= l.restitution; }); }},
+    SeededFault{.name = "laws_swapped",
+                .story = "friction and restitution exchanged",
+                .world =
+                    [](World& w) {
+                      each_law(w, [](ContactLaw& l) {
+                        std::swap(l.friction, l.restitution);
+                        l.restitution = std::min(l.restitution, 1.0);
+                      });
+                    }},
+    SeededFault{.name = "exceptions_forgotten",
+                .story = "laws of single pairs lost, the general law for all",
+                .world = [](World& w) { w.exceptions.clear(); }},
+    SeededFault{.name = "mass_1_percent",
+                .story = "mass times 1.01",
+                .world = [](World& w) { each_moving(w, [](Body& b) { b.mass_kg *= 1.01; }); }},
+    SeededFault{.name = "inertia_of_a_sphere",
+                .story = "the mean moment about all axes",
+                .world =
+                    [](World& w) {
+                      each_moving(
+                          w, [](Body& b) { b.inertia_kgm2.setConstant(b.inertia_kgm2.mean()); });
+                    }},
+    SeededFault{.name = "inertia_axes_rotated",
+                .story = "moments in the order y, z, x",
+                .world =
+                    [](World& w) {
+                      each_moving(w, [](Body& b) {
+                        b.inertia_kgm2 =
+                            Vector3d(b.inertia_kgm2[1], b.inertia_kgm2[2], b.inertia_kgm2[0]);
+                      });
+                    }},
+    SeededFault{.name = "size_1_permille",
+                .story = "half extents and radii times 1.001",
+                .world =
+                    [](World& w) {
+                      each_moving(w, [](Body& b) {
+                        if (auto* box = std::get_if<BoxShape>(&b.shape)) {
+                          box->half_extents_m *= 1.001;
+                        }
+                        if (auto* ball = std::get_if<SphereShape>(&b.shape)) {
+                          ball->radius_m *= 1.001;
+                        }
+                      });
+                    }},
+    SeededFault{
+        .name = "velocity_lost",
+        .story = "initial velocities not passed on",
+        .world =
+            [](World& w) { each_moving(w, [](Body& b) { b.initial.velocity_mps.setZero(); }); }},
+    SeededFault{.name = "spin_turned",
+                .story = "initial spin turned by 0.3 rad about x",
+                .world =
+                    [](World& w) {
+                      each_moving(w, [](Body& b) {
+                        b.initial.angular_velocity_radps =
+                            Quaterniond(Eigen::AngleAxisd(0.3, Vector3d::UnitX())) *
+                            b.initial.angular_velocity_radps;
+                      });
+                    }},
+    SeededFault{.name = "attitude_inverted",
+                .story = "initial orientation world to body",
+                .world =
+                    [](World& w) {
+                      each_moving(w, [](Body& b) {
+                        b.initial.orientation = b.initial.orientation.conjugate();
+                      });
+                    }},
+    // Settings passed on wrongly.
+    SeededFault{.name = "step_halved",
+                .story = "the engine advances by half a step",
+                .settings = [](Settings& s) { s.step_s *= 0.5; }},
+    SeededFault{.name = "step_rounded",
+                .story = "the step is 1e-6 too long",
+                .settings = [](Settings& s) { s.step_s *= 1.0 + 1e-6; }},
+    // Wrenches.
+    SeededFault{.name = "wrench_ignored",
+                .story = "applied forces never arrive",
+                .load = [](std::span<Wrench> w, std::span<const State>,
+                           int) { std::ranges::fill(w, Wrench{}); }},
+    SeededFault{.name = "wrench_late",
+                .story = "the first step's forces are lost",
+                .load =
+                    [](std::span<Wrench> w, std::span<const State>, int step) {
+                      if (step == 0) std::ranges::fill(w, Wrench{});
+                    }},
+    SeededFault{.name = "torque_sign",
+                .story = "torques with the wrong sign",
+                .load =
+                    [](std::span<Wrench> w, std::span<const State>, int) {
+                      for (Wrench& one : w) one.torque_nm = -one.torque_nm;
+                    }},
+    // Read-out of states.
+    SeededFault{.name = "momentum_leak",
+                .story = "1e-6 of the velocities is lost in every step",
+                .read =
+                    [](Readout& r) {
+                      for (State& s : r.states) s.velocity_mps *= std::pow(1.0 - 1e-6, r.step);
+                    }},
+    SeededFault{.name = "spin_read_in_body_frame",
+                .story = "angular velocities reported in body axes",
+                .read =
+                    [](Readout& r) {
+                      for (State& s : r.states) {
+                        s.angular_velocity_radps =
+                            s.orientation.conjugate() * s.angular_velocity_radps;
+                      }
+                    }},
+    SeededFault{.name = "quaternion_order",
+                .story = "x, y, z, w reported as w, x, y, z",
+                .read =
+                    [](Readout& r) {
+                      for (State& s : r.states) {
+                        const Quaterniond q = s.orientation;
+                        s.orientation = Quaterniond(q.x(), q.y(), q.z(), q.w());
+                      }
+                    }},
+    SeededFault{.name = "attitude_read_inverted",
+                .story = "world to body reported",
+                .read =
+                    [](Readout& r) {
+                      for (State& s : r.states) s.orientation = s.orientation.conjugate();
+                    }},
+    SeededFault{.name = "bodies_swapped",
+                .story = "the first two moving bodies report each other's state",
+                .read =
+                    [](Readout& r) {
+                      const auto indices = moving(r.world);
+                      if (indices.size() > 1) std::swap(r.states[indices[0]], r.states[indices[1]]);
+                    }},
+    SeededFault{.name = "state_one_step_old",
+                .story = "the state before the step is reported",
+                .read = [](Readout& r) { std::ranges::copy(r.previous, r.states.begin()); }},
+    SeededFault{.name = "velocity_from_positions",
+                .story = "velocity reported as the last displacement over twice the step",
+                .read =
+                    [](Readout& r) {
+                      for (std::size_t i = 0; i < r.states.size(); ++i) {
+                        r.states[i].velocity_mps =
+                            (r.states[i].position_m - r.previous[i].position_m) / (2.0 * r.step_s);
+                      }
+                    }},
+    SeededFault{.name = "single_precision",
+                .story = "positions rounded to single precision",
+                .read =
+                    [](Readout& r) {
+                      for (State& s : r.states) {
+                        s.position_m = s.position_m.cast<float>().cast<double>();
+                      }
+                    }},
+    SeededFault{.name = "not_a_number",
+                .story = "a position becomes NaN in step 7",
+                .read =
+                    [](Readout& r) {
+                      if (r.step < 7) return;
+                      r.states[moving(r.world).front()].position_m.x() =
+                          std::numeric_limits<double>::quiet_NaN();
+                    }},
+    // Read-out of contacts.
+    SeededFault{
+        .name = "impulse_sign",
+        .story = "impulses reported on the other body",
+        .contacts =
+            [](std::vector<Contact>& now, const std::vector<Contact>&, double) {
+              for (Contact& c : now) c.impulse_ns = -c.impulse_ns;
+            }},
+    SeededFault{
+        .name = "impulse_as_force",
+        .story = "forces reported as impulses",
+        .contacts =
+            [](std::vector<Contact>& now, const std::vector<Contact>&, double step_s) {
+              for (Contact& c : now) c.impulse_ns /= step_s;
+            }},
+    SeededFault{
+        .name = "contact_dropped",
+        .story = "the first contact of each step is missing",
+        .contacts =
+            [](std::vector<Contact>& now, const std::vector<Contact>&, double) {
+              if (!now.empty()) now.erase(now.begin());
+            }},
+    SeededFault{
+        .name = "friction_not_reported",
+        .story = "only normal impulses reported",
+        .contacts =
+            [](std::vector<Contact>& now, const std::vector<Contact>&, double) {
+              for (Contact& c : now) c.impulse_ns = c.normal * c.normal.dot(c.impulse_ns);
+            }},
+    SeededFault{
+        .name = "contact_point_shifted",
+        .story = "contact points 1 cm to the side",
+        .contacts =
+            [](std::vector<Contact>& now, const std::vector<Contact>&, double) {
+              for (Contact& c : now) c.position_m.x() += 0.01;
+            }},
+    SeededFault{
+        .name = "contacts_doubled",
+        .story = "last step's contacts are reported again with this step's",
+        .contacts = [](std::vector<Contact>& now, const std::vector<Contact>& previous,
+                       double) { now.insert(now.end(), previous.begin(), previous.end()); }},
+};
+
+class FaultySimulation final : public Simulation, ContactView {
+ public:
+  FaultySimulation(std::unique_ptr<Simulation> inner, const World& world, const SeededFault& fault,
+                   double step_s, bool audit)
+      : inner_(std::move(inner)), world_(world), fault_(fault), step_s_(step_s), audit_(audit) {
+    previous_.resize(world.bodies.size());
+    inner_->read(previous_);
+  }
+
+  void apply(std::span<const Wrench> wrenches) override {
+    std::vector<Wrench> wrong(wrenches.begin(), wrenches.end());
+    if (fault_.load != nullptr) fault_.load(wrong, previous_, step_);
+    inner_->apply(wrong);
+  }
+
+  Expected<void> step() override {
+    inner_->read(previous_);
+    if (const ContactView* view = inner_->contact_view()) view->contacts(previous_contacts_);
+    ++step_;
+    return inner_->step();
+  }
+
+  void read(std::span<State> states) const override {
+    inner_->read(states);
+    if (fault_.read == nullptr || step_ == 0) return;
+    Readout readout = {states, previous_, world_, step_, step_s_};
+    fault_.read(readout);
+  }
+
+  const ContactView* contact_view() const override {
+    return inner_->contact_view() == nullptr ? nullptr : this;
+  }
+  const AuditView* audit_view() const override { return audit_ ? inner_->audit_view() : nullptr; }
+
+ private:
+  void contacts(std::vector<Contact>& contacts) const override {
+    inner_->contact_view()->contacts(contacts);
+    if (fault_.contacts != nullptr) fault_.contacts(contacts, previous_contacts_, step_s_);
+  }
+
+  std::unique_ptr<Simulation> inner_;
+  World world_;
+  const SeededFault& fault_;
+  double step_s_;
+  bool audit_;
+  int step_ = 0;
+  std::vector<State> previous_;
+  std::vector<Contact> previous_contacts_;
+};
+
+template <std::size_t Index, bool Audit>
+Expected<std::unique_ptr<Simulation>> build_faulty(const World& world, const Settings& settings) {
+  const SeededFault& fault = k_faults[Index];
+  World wrong_world = world;
+  Settings wrong_settings = settings;
+  if (fault.world != nullptr) fault.world(wrong_world);
+  if (fault.settings != nullptr) fault.settings(wrong_settings);
+  auto inner = build(correct_adapter(), wrong_world, wrong_settings);
+  if (!inner) return inner;
+  return std::make_unique<FaultySimulation>(std::move(*inner), world, fault, settings.step_s,
+                                            Audit);
+}
+
+using Build = Expected<std::unique_ptr<Simulation>> (*)(const World&, const Settings&);
+
+template <bool Audit, std::size_t... Index>
+std::array<Build, sizeof...(Index)> builders(std::index_sequence<Index...>) {
+  return {&build_faulty<Index, Audit>...};
+}
+
+World demanding_world() {
+  World world;
+  world.law = {.friction = 0.5, .restitution = 0.5};
+  State above;
+  above.position_m.z() = 2.0;
+  world.bodies = {ground_plane(), solid_body("ball", SphereShape{0.5}, 1.0, above)};
+  return world;
+}
+
+}  // namespace
+
+std::span<const SeededFault> seeded_faults() { return k_faults; }
+
+Adapter correct_adapter() {
+  for (Adapter& adapter : adapters()) {
+    if (adapter.scheme == nullptr) continue;
+    if (build(adapter, demanding_world(), {}).has_value()) return adapter;
+  }
+  return {};
+}
+
+Adapter faulty_adapter(std::size_t index, bool audit) {
+  constexpr auto k_all = std::make_index_sequence<k_faults.size()>();
+  Adapter adapter = correct_adapter();
+  adapter.name = k_faults[index].name;
+  adapter.build = audit ? builders<true>(k_all)[index] : builders<false>(k_all)[index];
+  return adapter;
+}
+
+}  // namespace brickbench::testing
