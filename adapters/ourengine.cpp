@@ -33,12 +33,6 @@ struct Entry {
 // One entry per variant; the first is the default.
 std::vector<Entry> entries() {
   return {
-      {{"baraff", "the paper's system; overlaps are undone; Dantzig pivoting, frictionless"},
-       rows(k_baraff_knobs),
-       &build_ourengine_baraff},
-      {{"paper", "the paper's plain choices: no overlap handling; frictionless"},
-       rows(k_baraff_knobs),
-       &build_ourengine_baraff},
       {{"exact", "Coulomb friction and restitution at velocity level, solved to a stated residual"},
        rows(k_exact_knobs),
        &build_ourengine_exact},
@@ -48,6 +42,12 @@ std::vector<Entry> entries() {
       {{"fast", "soft contacts in small sub-steps, eight manifolds at a time"},
        rows(k_fast_knobs),
        &build_ourengine_fast},
+      {{"baraff", "the paper's system; overlaps are undone; Dantzig pivoting, frictionless"},
+       rows(k_baraff_knobs),
+       &build_ourengine_baraff},
+      {{"paper", "the paper's plain choices: no overlap handling; frictionless"},
+       rows(k_baraff_knobs),
+       &build_ourengine_baraff},
   };
 }
 
