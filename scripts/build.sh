@@ -4,6 +4,8 @@
 jobs=$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 if command -v ccache >/dev/null 2>&1; then
   export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  # Paths relative to the checkout: a clone elsewhere finds what another one compiled.
+  export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
 fi
 
 step() { printf '== %s (%d s)\n' "$*" "$SECONDS"; }
