@@ -20,6 +20,7 @@ using Rows = std::vector<KnobRow>;
 template <std::size_t... sizes>
 Rows rows(const std::array<KnobRow, sizes>&... tables) {
   Rows all;
+  all.reserve((sizes + ...));
   (all.insert(all.end(), tables.begin(), tables.end()), ...);
   return all;
 }
@@ -89,6 +90,19 @@ Expected<std::unique_ptr<Simulation>> build_ourengine(const World& world,
   return entry->build(world, settings);
 }
 
+// The contacts of the paper's system are found by bisection within the step: no map of Scheme. The
+// velocity-level variants turn bodies by a rule that Scheme has no name for.
+std::optional<Scheme> ourengine_scheme(const Settings& settings) {
+  if (settings.variant != "baraff" && settings.variant != "paper") return std::nullopt;
+  Scheme scheme;
+  scheme.source =
+      "Darji & Alur, Explosion Simulator, \"Rigid body physics\"; Baraff, Rigid Body Simulation I";
+  scheme.position = PositionRule::old_velocity;
+  scheme.gyroscopic = GyroscopicRule::spatial_momentum;
+  scheme.attitude = AttitudeRule::normalised_euler;
+  return scheme;
+}
+
 }  // namespace
 
 Expected<void> refuse_friction(const World& world, const Settings& settings) {
@@ -113,6 +127,7 @@ Adapter ourengine_adapter() {
                   .variants = {},
                   .knobs = all_knobs(),
                   .build = &build_ourengine,
+                  .scheme = &ourengine_scheme,
                   .own = true};
   for (const Entry& entry : entries()) adapter.variants.push_back(entry.variant);
   return adapter;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/build_facts.hpp"
+#include "cli/cases_json.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/schema.hpp"
@@ -173,6 +174,7 @@ int list(const ListOptions& options) {
   const Json array = options.what == "engines"     ? engines_json()
                      : options.what == "scenarios" ? scenarios_json()
                      : options.what == "metrics"   ? metrics_json()
+                     : options.what == "cases"     ? cases_json()
                                                    : plans_json();
   if (options.json) {
     fmt::print("{}\n", array.dump(2));
@@ -185,11 +187,11 @@ int list(const ListOptions& options) {
 }  // namespace
 
 void add_list_verb(CLI::App& app, Invocation& invocation) {
-  CLI::App* verb = app.add_subcommand("list", "List engines, scenarios, metrics or plans");
+  CLI::App* verb = app.add_subcommand("list", "List engines, scenarios, metrics, cases or plans");
   auto options = std::make_shared<ListOptions>();
-  verb->add_option("what", options->what, "engines, scenarios, metrics or plans")
+  verb->add_option("what", options->what, "engines, scenarios, metrics, cases or plans")
       ->required()
-      ->check(CLI::IsMember({"engines", "scenarios", "metrics", "plans"}));
+      ->check(CLI::IsMember({"engines", "scenarios", "metrics", "cases", "plans"}));
   verb->add_flag("--json", options->json, "An array of objects, each with an id");
   verb->callback([options, &invocation] { invocation.exit_code = list(*options); });
 }

@@ -6,6 +6,8 @@
 #include "cli/build_facts.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/exact/metamorphic.hpp"
+#include "experiments/exact/order.hpp"
 #include "experiments/exact/validate.hpp"
 #include "experiments/record/csv.hpp"
 #include "experiments/run/selector.hpp"
@@ -19,6 +21,8 @@ struct ValidateOptions {
   std::vector<std::string> engines = {"all"};
   std::string cases = "all";
   bool predict = false;
+  bool order = false;
+  std::string symmetry;  // a scene whose images are compared; empty: none
   bool json = false;
 };
 
@@ -58,6 +62,7 @@ Json cell_json(const exact::CellResult& cell) {
                {"failed", cell.failed()},
                {"bound", cell.bound},
                {"no_prediction", cell.no_prediction},
+               {"law", cell.law},
                {"scores", scores}};
   if (cell.bracket) {
     json["threshold"] = {{"parameter", cell.bracket->parameter}, {"unit", cell.bracket->unit},
@@ -98,6 +103,7 @@ void print_line(const exact::CellResult& cell) {
              cell.engine + '/' + cell.variant, verdict,
              cell.outcome == "ok" ? digits(largest(cell, &exact::Score::error)) : "-",
              digits(explained), digits(cell.worst_unexplained()), reproduce(cell));
+  if (!cell.law.empty()) fmt::print("    law of impact: {}\n", cell.law);
   if (!cell.reason.empty()) fmt::print("    {}\n", cell.reason);
   if (cell.bracket && cell.bracket->found) {
     fmt::print("    {} between {:.6g} and {:.6g} {}, exact {:.6g}\n", cell.bracket->parameter,
@@ -129,6 +135,108 @@ void print_predictions(const std::vector<EngineVariant>& engines, const Catalogu
   }
 }
 
+Json order_json(const exact::OrderResult& result) {
+  auto ladder = Json::array();
+  for (const exact::LadderRung& rung : result.ladder) {
+    ladder.push_back(
+        {{"step_s", rung.step_s}, {"error", number(rung.error)}, {"cpu_s", rung.cpu_s}});
+  }
+  return {{"id", fmt::format("{}/{}:{}", result.engine, result.variant, result.case_id)},
+          {"outcome", result.outcome},
+          {"reason", result.reason},
+          {"order", number(result.fit.order)},
+          {"half_width_95", number(result.fit.half_width)},
+          {"at_rounding", result.fit.at_rounding},
+          {"promised", result.promised},
+          {"ladder", ladder}};
+}
+
+// Orders of convergence and the cost of each rung, for accuracy-versus-cost plots.
+int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
+               const std::vector<exact::ExactCase>& cases, bool json) {
+  auto results = Json::array();
+  if (!json) {
+    fmt::print("{:<30} {:<18} {:>16} {:>8}  finest: step_s, error, cpu_s\n", "case", "engine",
+               "order", "promised");
+  }
+  for (const exact::ExactCase& exact_case : cases) {
+    for (const EngineVariant& engine : engines) {
+      const exact::OrderResult result =
+          exact::convergence(*find_adapter(catalogues, engine.engine), engine.variant, exact_case);
+      if (json) {
+        results.push_back(order_json(result));
+        continue;
+      }
+      const std::string order =
+          result.outcome != "ok" ? result.outcome
+          : result.fit.at_rounding
+              ? "rounding"
+              : fmt::format("{:.3f} +- {:.3f}", result.fit.order, result.fit.half_width);
+      fmt::print("{:<30} {:<18} {:>16} {:>8.3g}", exact_case.id, engine.label(), order,
+                 result.promised);
+      if (!result.ladder.empty()) {
+        const exact::LadderRung& finest = result.ladder.back();
+        fmt::print("  {:.3g} {:.3g} {:.3g}", finest.step_s, finest.error, finest.cpu_s);
+      }
+      fmt::print("\n");
+    }
+  }
+  if (json) fmt::print("{}\n", results.dump(2));
+  return k_exit_fine;
+}
+
+Json symmetry_json(const exact::MetamorphicResult& result, const EngineVariant& engine) {
+  auto growth = Json::array();
+  for (const exact::GrowthSample& sample : result.growth) {
+    growth.push_back({{"time_s", sample.time_s}, {"difference_m", number(sample.difference_m)}});
+  }
+  return {{"id", engine.label() + ':' + result.symmetry},
+          {"outcome", result.outcome},
+          {"reason", result.reason},
+          {"rate_per_s", number(result.rate_per_s)},
+          {"growth", growth}};
+}
+
+// Scenes against their images: how far they part, and how fast.
+int compare_symmetries(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
+                       const ValidateOptions& options) {
+  const Scenario* scenario = find_scenario(catalogues, options.symmetry);
+  if (scenario == nullptr) {
+    return complain(
+        fmt::format("no scene '{}': one of `brickbench list scenarios`", options.symmetry));
+  }
+  const auto scene = build(*scenario, {});
+  if (!scene) return complain(scene.error().reason);
+  constexpr double k_step_s = 0.002, k_time_s = 1.0;
+  const auto steps = static_cast<std::size_t>(k_time_s / k_step_s);
+  auto results = Json::array();
+  if (!options.json) {
+    fmt::print("{:<18} {:<22} {:>12} {:>12} {:>10}\n", "engine", "image", "after 1/16",
+               "at the end", "rate 1/s");
+  }
+  for (const EngineVariant& engine : engines) {
+    Settings settings;
+    settings.step_s = k_step_s;
+    settings.variant = engine.variant;
+    for (const exact::Symmetry& symmetry : exact::symmetries()) {
+      const auto result = exact::compare_image(*find_adapter(catalogues, engine.engine), settings,
+                                               scene->world, symmetry, steps);
+      if (options.json) {
+        results.push_back(symmetry_json(result, engine));
+      } else if (result.outcome != "ok") {
+        fmt::print("{:<18} {:<22} {}: {}\n", engine.label(), symmetry.name, result.outcome,
+                   result.reason);
+      } else {
+        fmt::print("{:<18} {:<22} {:>12.3g} {:>12.3g} {:>10.3g}\n", engine.label(), symmetry.name,
+                   result.growth.front().difference_m, result.growth.back().difference_m,
+                   result.rate_per_s);
+      }
+    }
+  }
+  if (options.json) fmt::print("{}\n", results.dump(2));
+  return k_exit_fine;
+}
+
 int validate(const ValidateOptions& options) {
   const Catalogues catalogues = all_catalogues();
   std::vector<EngineVariant> engines;
@@ -145,6 +253,8 @@ int validate(const ValidateOptions& options) {
     return complain(fmt::format("no case '{}': all, family.* or one of `brickbench list cases`",
                                 options.cases));
   }
+  if (!options.symmetry.empty()) return compare_symmetries(engines, catalogues, options);
+  if (options.order) return fit_orders(engines, catalogues, cases, options.json);
   if (options.predict) {
     print_predictions(engines, catalogues, cases);
     return k_exit_fine;
@@ -201,6 +311,10 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("--case", options->cases, "all, family.* or the id of one case");
   verb->add_flag("--predict", options->predict,
                  "Print what the schemes predict, as CSV, without running any engine");
+  verb->add_flag("--order", options->order,
+                 "Fit the order of convergence of the first observable on a ladder of steps");
+  verb->add_option("--symmetry", options->symmetry,
+                   "Compare a scene with its mirrored, turned, shifted and scaled images");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = validate(*options); });
 }

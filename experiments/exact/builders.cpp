@@ -96,6 +96,14 @@ ContactGeometry both(ContactGeometry first, ContactGeometry second) {
   };
 }
 
+std::string symmetric_impact_law(std::span<const double> values, const ExactRun& run) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Truth& truth = run.truths[i];
+    if (!(std::abs(values[i] - truth.value) <= k_law_band * truth.scale)) return "neither";
+  }
+  return "simultaneous";
+}
+
 Measure latest(std::function<void(const Sample&, std::span<double>)> look) { return look; }
 
 double kinetic_energy_j(const World& world, std::span<const State> states) {

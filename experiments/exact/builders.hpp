@@ -40,6 +40,12 @@ ContactGeometry sphere_row_contact(std::vector<std::size_t> bodies, double radiu
 // All contacts of two geometries.
 ContactGeometry both(ContactGeometry first, ContactGeometry second);
 
+// The law of an impact at several points at once: "simultaneous" where every observable is that of
+// the symmetric solution within k_law_band of its scale, else "neither": the points were served one
+// after the other, or the contact has no coefficient of restitution.
+inline constexpr double k_law_band = 0.01;
+std::string symmetric_impact_law(std::span<const double> values, const ExactRun& run);
+
 // A measure that keeps no memory: `look` overwrites the values at every sample.
 Measure latest(std::function<void(const Sample&, std::span<double>)> look);
 

@@ -302,7 +302,8 @@ ExactCase flat_drop() {
                       {"drift_m", "m", "largest horizontal displacement"}},
       .make = make_flat_drop,
       .threshold = std::nullopt,
-      .expected_violation = "contacts without a coefficient of restitution do not bounce"};
+      .expected_violation = "contacts without a coefficient of restitution do not bounce",
+      .classify = symmetric_impact_law};
 }
 
 ExactCase ball_landing() {
@@ -349,7 +350,8 @@ ExactCase rod_impact() {
           .observables = impact_observables(),
           .make = make_rod,
           .threshold = std::nullopt,
-          .expected_violation = "contacts without a coefficient of restitution do not bounce"};
+          .expected_violation = "contacts without a coefficient of restitution do not bounce",
+          .classify = symmetric_impact_law};
 }
 
 }  // namespace brickbench::exact

@@ -106,6 +106,9 @@ struct ExactCase {
   // What an engine of a given model class is known to do otherwise; empty if every one should
   // comply.
   std::string expected_violation;
+  // Names the law of impact that the observables (and the truths) show; nullptr where there is no
+  // choice of law.
+  std::string (*classify)(std::span<const double> values, const ExactRun& run) = nullptr;
 };
 
 // The values of all parameters, defaults filled in. Fault::invalid for an unknown name, a value out

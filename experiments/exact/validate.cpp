@@ -206,6 +206,7 @@ CellResult validate(const Adapter& adapter, const std::string& variant, const Ex
       score.unexplained = distance(score.measured, *score.predicted, score.scale);
     }
   }
+  if (exact_case.classify != nullptr) cell.law = exact_case.classify(*measured, *run);
   if (exact_case.threshold) {
     const auto bracket = bisect(adapter, variant, exact_case, given);
     if (!bracket) {

@@ -52,6 +52,7 @@ struct CellResult {
   std::string no_prediction;  // why the scheme predicts nothing; empty if it does
   double bound = 0.0;         // for the unexplained parts
   std::vector<Score> scores;
+  std::string law;  // of impact, as ExactCase::classify names it; empty where there is no choice
   std::optional<Bracket> bracket;
 
   // A failed cell, or an unexplained part above the bound. A refusal is not a failure: the engine
