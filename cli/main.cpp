@@ -17,6 +17,9 @@ int run(int argc, char** argv) {
   add_run_verb(app, invocation);
   add_list_verb(app, invocation);
   add_validate_verb(app, invocation);
+  add_report_verb(app, invocation);
+  add_check_verb(app, invocation);
+  add_bless_verb(app, invocation);
   add_doctor_verb(app, invocation);
   try {
     app.parse(argc, argv);

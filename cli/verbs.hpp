@@ -24,6 +24,9 @@ struct Invocation {
 void add_run_verb(CLI::App& app, Invocation& invocation);
 void add_list_verb(CLI::App& app, Invocation& invocation);
 void add_validate_verb(CLI::App& app, Invocation& invocation);
+void add_report_verb(CLI::App& app, Invocation& invocation);
+void add_check_verb(CLI::App& app, Invocation& invocation);
+void add_bless_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
 }  // namespace brickbench

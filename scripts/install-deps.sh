@@ -4,7 +4,8 @@
 #   GROUP   build     what compiles and links the program
 #           engines   the third-party engines; each that is missing is left out of the build
 #           tests     what the tests need on top
-#           Without a group: all three.
+#           reports   what makes report pages interactive, and pictures and videos of them
+#           Without a group: build, engines and tests.
 #   --list  print the table and change nothing
 #
 # Installs only what is missing, says what and why first, asks for sudo only if not root, and never
@@ -30,6 +31,7 @@ build|nlohmann-json3-dev|nlohmann-json: --json|nlohmann/json.hpp
 build|libfccp-dev|fast-cpp-csv-parser: reads rows|libfccp/csv.h,csv.h
 build|libxxhash-dev|xxHash: hashes of states|xxhash.h
 build|libhwy-dev|Highway: SIMD kernels of our engine|hwy/highway.h
+build|zlib1g-dev|zlib: replays inside report pages|zlib.h
 build|libmetis-dev|METIS: orders our engine's sparse systems|metis.h
 engines|libbullet-dev|Bullet, in double precision|bullet/btBulletDynamicsCommon.h
 engines|libode-dev|Open Dynamics Engine|ode/ode.h
@@ -40,6 +42,11 @@ engines|libgl-dev|OpenGL, looked for by MuJoCo's CMake package|GL/gl.h
 tests|libgtest-dev|GoogleTest|gtest/gtest.h
 tests|libfcl-dev|FCL: a second opinion on penetration depths|fcl/fcl.h
 tests|clang-format|the format test|clang-format
+reports|nodejs|bundles the script of the report page|node
+reports|npm|fetches the modules of the report page by their lock file|npm
+reports|chromium|opens report pages: browser tests, pictures, videos|chromium
+reports|ffmpeg|videos of replays|ffmpeg
+reports|gnuplot-nox|figures as PDF|gnuplot
 END
 }
 
@@ -50,9 +57,9 @@ list_only=false
 for argument in "$@"; do
   case $argument in
     --list) list_only=true ;;
-    build | engines | tests) groups+=("$argument") ;;
+    build | engines | tests | reports) groups+=("$argument") ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
-    *) say "unknown argument '$argument'; groups are build, engines, tests" >&2; exit 2 ;;
+    *) say "unknown argument '$argument'; groups are build, engines, tests, reports" >&2; exit 2 ;;
   esac
 done
 if [ ${#groups[@]} -eq 0 ]; then groups=(build engines tests); fi

@@ -11,23 +11,6 @@ namespace {
 
 constexpr std::string_view k_not_applicable = "not_applicable";
 
-struct Axes {
-  std::string scene;
-  std::string knobs;
-};
-
-Axes split_axes(const std::string& axes) {
-  Axes result;
-  for (std::size_t at = 0; at < axes.size();) {
-    const std::size_t end = std::min(axes.find(';', at), axes.size());
-    const std::string axis = axes.substr(at, end - at);
-    std::string& part = axis.starts_with("knob.") ? result.knobs : result.scene;
-    part += (part.empty() ? "" : ", ") + axis;
-    at = end + 1;
-  }
-  return result;
-}
-
 template <typename Item, typename Key>
 std::size_t index_of(std::vector<Item>& items, const Key& same, Item otherwise) {
   const auto found = std::ranges::find_if(items, same);
@@ -96,6 +79,18 @@ void rank(Block& block) {
 
 }  // namespace
 
+AxesParts split_axes(const std::string& axes) {
+  AxesParts result;
+  for (std::size_t at = 0; at < axes.size();) {
+    const std::size_t end = std::min(axes.find(';', at), axes.size());
+    const std::string axis = axes.substr(at, end - at);
+    std::string& part = axis.starts_with("knob.") ? result.knobs : result.scene;
+    part += (part.empty() ? "" : ", ") + axis;
+    at = end + 1;
+  }
+  return result;
+}
+
 std::string Contender::label() const {
   std::string text = engine + '/' + variant;
   if (!knobs.empty()) text += " (" + knobs + ')';
@@ -107,7 +102,7 @@ std::vector<Block> summarize(std::span<const Row> rows) {
   std::map<Key, std::size_t> known;
   std::vector<Sheet> sheets;
   for (const Row& row : rows) {
-    const Axes axes = split_axes(row.axes);
+    const AxesParts axes = split_axes(row.axes);
     const Key key{row.experiment, axes.scene, row.step_s, row.duration_s, row.group};
     const auto [place, is_new] = known.emplace(key, sheets.size());
     if (is_new) {

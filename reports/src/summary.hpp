@@ -54,6 +54,14 @@ struct Block {
   std::vector<std::vector<Score>> scores;  // (contenders, numbers)
 };
 
+// The column `axes` parted into what describes the scene and what describes the engine, each
+// "name=value, name=value".
+struct AxesParts {
+  std::string scene;
+  std::string knobs;
+};
+AxesParts split_axes(const std::string& axes);
+
 // In the order of the rows.
 std::vector<Block> summarize(std::span<const Row> rows);
 

@@ -1,0 +1,31 @@
+// What the verbs that make reports share: reading folders, and folders that are whole or absent.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "reports/src/html_report.hpp"
+
+namespace brickbench {
+
+// Prints the reason; bad input or infrastructure as exit code.
+int complain_of(const Failure& failure);
+
+Expected<std::vector<ReportSource>> read_sources(const std::vector<std::string>& folders);
+
+// Writes the files into a new folder that appears whole or not at all.
+Expected<void> write_folder(const std::string& out, const std::vector<OutputFile>& files);
+
+struct WrittenReport {
+  std::size_t pdfs = 0;
+  std::string no_pdf_reason;  // empty if all figures became PDF, or none was wanted
+};
+
+// write_folder(), and with gnuplot on the PATH figures/<id>.pdf.
+Expected<WrittenReport> write_report(const std::string& out, std::vector<OutputFile> files,
+                                     const std::vector<Figure>& figures, bool want_pdf);
+
+// A program on the PATH; "" if there is none of these names.
+std::string program_on_path(const std::vector<std::string>& names);
+
+}  // namespace brickbench

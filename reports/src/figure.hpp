@@ -1,0 +1,62 @@
+// Figure: curves with axes. The same value becomes SVG, CSV, gnuplot input and the interactive plot
+// of the page.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace brickbench {
+
+struct Curve {
+  std::string label;
+  std::size_t colour = 0;  // index into the palette
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> low;   // empty, or a band as long as y
+  std::vector<double> high;  // empty, or as long as y
+  std::string note;          // shown after the label in the legend: "order 1.02"
+};
+
+struct Axis {
+  std::string label;
+  std::string unit;  // "1" for pure numbers
+  bool logarithmic = false;
+
+  // "penetration_m (m)"
+  std::string text() const;
+};
+
+struct Figure {
+  std::string id;       // a file name: [a-z0-9_-]+
+  std::string title;    // what is seen
+  std::string scene;    // which replay belongs to it; may be empty
+  std::string caption;  // may be empty
+  Axis x;
+  Axis y;
+  bool over_time = false;  // x is the replay's time
+  bool lines = true;
+  bool markers = false;
+  std::vector<Curve> curves;
+};
+
+// Characters other than letters, digits, '_' and '-' become '-'; never empty.
+std::string file_id(const std::string& text);
+
+// Points that a logarithmic axis cannot show.
+std::size_t hidden_points(const Figure& figure);
+
+// Byte-stable. A standalone file has its own background and text colour; otherwise both are the
+// page's.
+std::string to_svg(const Figure& figure, bool standalone);
+
+// curve,x,y,low,high with the axes' names as header; shortest numbers that read back exactly.
+std::string to_csv(const Figure& figure);
+
+// A gnuplot script that draws `data` (the figure's CSV) into `pdf`.
+std::string to_gnuplot(const Figure& figure, const std::string& data, const std::string& pdf);
+
+// For the page: seven significant digits.
+nlohmann::ordered_json to_json(const Figure& figure);
+
+}  // namespace brickbench

@@ -1,0 +1,214 @@
+#include "reports/src/html_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "reports/src/figures.hpp"
+#include "reports/src/html_sections.hpp"
+#include "reports/src/markdown_report.hpp"
+#include "reports/src/markup.hpp"
+
+namespace brickbench {
+namespace {
+
+struct SourceFigures {
+  std::vector<Figure> time;
+  std::vector<Figure> step;
+  std::vector<Figure> cost;
+};
+
+// Ids are unique over the whole page.
+void number_ids(std::vector<Figure>& figures, const std::string& prefix) {
+  for (Figure& figure : figures) figure.id = prefix + figure.id;
+}
+
+std::string figures_html(const std::vector<Figure>& figures, bool draw_svg) {
+  if (figures.empty()) return "";
+  std::string out = "<div class=\"figures\">\n";
+  std::string scene;
+  for (const Figure& figure : figures) {
+    if (figure.scene != scene) {
+      scene = figure.scene;
+      out += fmt::format("<h4>{}</h4>\n", escape_markup(scene));
+    }
+    out += html_figure(figure, draw_svg);
+  }
+  return out + "</div>\n";
+}
+
+std::string replay_html(const ReportSource& source, const PageAssets& assets) {
+  if (source.replays.empty()) {
+    return "<p class=\"quiet\">No trajectories were recorded, so there is nothing to replay.</p>\n";
+  }
+  if (assets.script.empty()) {
+    return fmt::format(
+        "<p class=\"quiet\">{} trajectories were recorded; the 3D view is missing: "
+        "{}.</p>\n",
+        source.replays.size(), escape_markup(assets.missing));
+  }
+  return "<div class=\"replay\" data-replay></div>\n"
+         "<noscript><p>The 3D view needs JavaScript.</p></noscript>\n";
+}
+
+// The replays by scene: bodies once, one view per engine.
+void add_scenes(const ReportSource& source, const Palette& palette, const ReportOptions& options,
+                nlohmann::ordered_json& scenes) {
+  for (const Replay& replay : source.replays) {
+    auto found = std::find_if(scenes.begin(), scenes.end(), [&](const auto& scene) {
+      return scene["name"] == replay.scene && scene["source"] == source.name &&
+             scene["bodies"] == bodies_json(replay.bodies);
+    });
+    if (found == scenes.end()) {
+      scenes.push_back({{"name", replay.scene},
+                        {"source", source.name},
+                        {"bodies", bodies_json(replay.bodies)},
+                        {"views", nlohmann::ordered_json::array()}});
+      found = scenes.end() - 1;
+    }
+    auto view = to_json(thinned(replay, options.replay_frames));
+    const auto label = std::ranges::find(palette.labels(), replay.engine);
+    view["colour"] = palette_colour(static_cast<std::size_t>(label - palette.labels().begin()));
+    (*found)["views"].push_back(std::move(view));
+  }
+}
+
+std::string source_html(const ReportSource& source, const SourceFigures& figures,
+                        const Palette& palette, const PageAssets& assets,
+                        const std::string& prefix) {
+  const std::vector<Block> blocks = summarize(source.rows);
+  const bool svg = assets.script.empty();
+  const Provenance& p = source.provenance;
+  std::string out = fmt::format("<header><h1>{}</h1>\n", escape_markup(p.title));
+  if (!p.analysis.empty())
+    out += fmt::format("<p class=\"lead\">{}</p>\n", escape_markup(p.analysis));
+  out += "</header>\n";
+  const auto section = [&](const char* id, const char* title, const std::string& body) {
+    out += html_section(prefix + id, title, body);
+  };
+  section("verdict", "Verdict", html_verdict(source, blocks));
+  section("replay", "Replay", replay_html(source, assets));
+  section("time", "Over time", figures_html(figures.time, svg));
+  section("tables", "Scenes", html_scene_tables(blocks, source, palette));
+  section("step", "Error against the step", figures_html(figures.step, svg));
+  section("cost", "Accuracy against cost", figures_html(figures.cost, svg));
+  section("validation", "Validation", html_validation(source));
+  section("unfinished", "Cells without numbers", html_unfinished(source));
+  section("engines", "Who was run", html_contenders(source, palette));
+  section("method", "Method and provenance", html_method(source));
+  section("numbers", "What the numbers mean", html_glossary(source));
+  return out;
+}
+
+std::string navigation(const std::string& body) {
+  std::string out = "<nav>";
+  constexpr std::string_view mark = "<section id=\"";
+  for (std::size_t at = body.find(mark); at != std::string::npos; at = body.find(mark, at)) {
+    at += mark.size();
+    const std::size_t end = body.find('"', at);
+    const std::size_t title = body.find("<h2>", end) + 4;
+    out += fmt::format("<a href=\"#{}\">{}</a>", body.substr(at, end - at),
+                       body.substr(title, body.find("</h2>", title) - title));
+  }
+  return out + "</nav>\n";
+}
+
+std::string assets_html(const PageAssets& assets) {
+  if (!assets.missing.empty()) {
+    return fmt::format(
+        "<p class=\"quiet\">This page shows static figures and no 3D view: {}.</p>\n",
+        escape_markup(assets.missing));
+  }
+  return fmt::format(
+      "<details><summary>Licences of the scripts in this page</summary><pre>{}</pre></details>\n",
+      escape_markup(assets.licences));
+}
+
+SourceFigures figures_of(const ReportSource& source, const std::string& prefix, Palette& palette) {
+  SourceFigures figures{figures_over_time(source, palette), figures_against_step(source, palette),
+                        figures_against_cost(source, palette)};
+  number_ids(figures.time, prefix);
+  number_ids(figures.step, prefix);
+  number_ids(figures.cost, prefix);
+  return figures;
+}
+
+void learn_labels(const ReportSource& source, Palette& palette) {
+  for (const Row& row : source.rows) {
+    palette.index(Contender{row.engine, row.variant, split_axes(row.axes).knobs}.label());
+  }
+  for (const Replay& replay : source.replays) palette.index(replay.engine);
+}
+
+// "" for a single source: most pages have one.
+std::string prefix_of(std::size_t index, std::size_t count) {
+  return count == 1 ? "" : fmt::format("r{}-", index + 1);
+}
+
+}  // namespace
+
+std::string page(const std::string& title, const std::string& body, const std::string& data_json,
+                 const PageAssets& assets) {
+  std::string out = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n<style>\n",
+      escape_markup(title));
+  out += assets.style + "</style></head>\n<body>\n" + navigation(body) + "<main>\n" + body +
+         assets_html(assets) + "</main>\n";
+  if (!assets.script.empty()) {
+    out += "<script type=\"application/json\" id=\"data\">" + script_json(data_json) +
+           "</script>\n<script type=\"module\">" + assets.script + "</script>\n";
+  }
+  return out + "</body></html>\n";
+}
+
+std::vector<Figure> report_figures(std::span<const ReportSource> sources) {
+  Palette palette;
+  for (const ReportSource& source : sources) learn_labels(source, palette);
+  std::vector<Figure> all;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const SourceFigures figures = figures_of(sources[i], prefix_of(i, sources.size()), palette);
+    for (const auto* list : {&figures.time, &figures.step, &figures.cost}) {
+      all.insert(all.end(), list->begin(), list->end());
+    }
+  }
+  return all;
+}
+
+std::vector<OutputFile> report_files(std::span<const ReportSource> sources,
+                                     const PageAssets& assets, const ReportOptions& options) {
+  Palette palette;
+  for (const ReportSource& source : sources) learn_labels(source, palette);
+  std::string body;
+  std::string markdown;
+  auto figures_json = nlohmann::ordered_json::array();
+  auto scenes = nlohmann::ordered_json::array();
+  std::vector<OutputFile> files;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const ReportSource& source = sources[i];
+    const std::string prefix = prefix_of(i, sources.size());
+    const SourceFigures figures = figures_of(source, prefix, palette);
+    body += source_html(source, figures, palette, assets, prefix);
+    add_scenes(source, palette, options, scenes);
+    markdown +=
+        (i == 0 ? "" : "\n") + markdown_report({source.rows, source.timings, &source.provenance});
+    for (const auto* list : {&figures.time, &figures.step, &figures.cost}) {
+      for (const Figure& figure : *list) {
+        figures_json.push_back(to_json(figure));
+        files.push_back({"figures/" + figure.id + ".svg", to_svg(figure, true)});
+        files.push_back({"figures/" + figure.id + ".csv", to_csv(figure)});
+      }
+    }
+  }
+  const nlohmann::ordered_json data = {{"figures", figures_json}, {"scenes", scenes}};
+  const std::string title = sources.empty() ? "report" : sources.front().provenance.title;
+  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
+  files.insert(files.begin(),
+               {{"index.html", page(title, body, data.dump(-1, ' ', false, replace), assets)},
+                {"report.md", markdown}});
+  return files;
+}
+
+}  // namespace brickbench

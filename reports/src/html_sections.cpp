@@ -1,0 +1,275 @@
+#include "reports/src/html_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "reports/src/losses.hpp"
+#include "reports/src/markdown_report.hpp"
+#include "reports/src/markup.hpp"
+#include "reports/src/replay_source.hpp"
+#include "reports/src/verdict.hpp"
+
+namespace brickbench {
+namespace {
+
+constexpr const char* k_table_open = "<div class=\"scroll\"><table>\n";
+constexpr const char* k_table_close = "</tbody></table></div>\n";
+
+std::string swatch(const std::string& label, const Palette& palette) {
+  const auto found = std::ranges::find(palette.labels(), label);
+  if (found == palette.labels().end()) return "";
+  const auto index = static_cast<std::size_t>(found - palette.labels().begin());
+  return fmt::format("<i class=\"swatch\" style=\"background:{}\"></i>", palette_colour(index));
+}
+
+std::string header_row(const std::vector<std::string>& header) {
+  std::string out = "<thead><tr>";
+  for (const std::string& text : header) {
+    out += fmt::format("<th scope=\"col\">{}</th>", escape_markup(text));
+  }
+  return out + "</tr></thead><tbody>\n";
+}
+
+const char* class_of(Mark mark) {
+  switch (mark) {
+    case Mark::best:
+      return " class=\"best\"";
+    case Mark::worst:
+      return " class=\"worst\"";
+    case Mark::failed:
+      return " class=\"failed\"";
+    case Mark::plain:
+      return "";
+  }
+  return "";
+}
+
+std::string summary_details(const std::string& summary, const std::string& body, bool open) {
+  return fmt::format("<details{}><summary>{}</summary>\n{}</details>\n", open ? " open" : "",
+                     escape_markup(summary), body);
+}
+
+// The largest |part| over the scores of a cell; "" where no score has it.
+std::string largest(const nlohmann::ordered_json& cell, const char* part) {
+  double worst = -1.0;
+  if (!cell.contains("scores")) return "";
+  for (const auto& score : cell["scores"]) {
+    if (score.contains(part) && score[part].is_number()) {
+      worst = std::max(worst, std::abs(score[part].get<double>()));
+    }
+  }
+  return worst < 0.0 ? "" : fmt::format("{:.1e}", worst);
+}
+
+std::string validation_cell(const nlohmann::ordered_json* cell) {
+  if (cell == nullptr) return "<td></td>";
+  const std::string outcome = (*cell)["outcome"].get<std::string>();
+  const bool failed = cell->value("failed", false);
+  if (outcome != "ok") {
+    return fmt::format("<td class=\"{}\" title=\"{}\">{}</td>", failed ? "failed" : "quiet",
+                       escape_markup(cell->value("reason", "")), escape_markup(outcome));
+  }
+  const std::string unexplained = largest(*cell, "unexplained");
+  if (unexplained.empty()) {
+    return fmt::format("<td class=\"quiet\">open, error {}</td>", largest(*cell, "error"));
+  }
+  return fmt::format("<td class=\"{}\">{}{} / {}</td>", failed ? "failed" : "held",
+                     failed ? "\xE2\x9C\x97 " : "", largest(*cell, "explained"), unexplained);
+}
+
+}  // namespace
+
+std::string html_section(const std::string& id, const std::string& title, const std::string& body) {
+  if (body.empty()) return "";
+  return fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", id, escape_markup(title),
+                     body);
+}
+
+std::string html_table(const Table& table, const Palette& palette) {
+  std::string out = k_table_open + header_row(table.header);
+  for (const auto& row : table.rows) {
+    out += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string text = escape_markup(row[i].text);
+      if (i == 0)
+        out += fmt::format("<th scope=\"row\">{}{}</th>", swatch(row[i].text, palette), text);
+      else
+        out += fmt::format("<td{}>{}</td>", class_of(row[i].mark), text);
+    }
+    out += "</tr>\n";
+  }
+  return out + k_table_close;
+}
+
+std::string html_figure(const Figure& figure, bool draw_svg) {
+  const std::string caption = fmt::format(
+      "{}<a href=\"figures/{}.svg\">SVG</a> <a href=\"figures/{}.csv\">CSV</a>",
+      figure.caption.empty() ? "" : escape_markup(figure.caption) + ' ', figure.id, figure.id);
+  return fmt::format("<figure data-figure=\"{}\">{}<figcaption>{}</figcaption></figure>\n",
+                     figure.id, draw_svg ? to_svg(figure, false) : "", caption);
+}
+
+std::string html_verdict(const ReportSource& source, const std::vector<Block>& blocks) {
+  std::string out = "<ul class=\"verdict\">\n";
+  for (const std::string& line : verdict(source, blocks)) {
+    out += fmt::format("<li>{}</li>\n", escape_markup(line));
+  }
+  return out + "</ul>\n";
+}
+
+std::string html_scene_tables(const std::vector<Block>& blocks, const ReportSource& source,
+                              const Palette& palette) {
+  std::string out;
+  const std::vector<std::string> own = own_engines(source.provenance);
+  const LossTable lost = losses(blocks, own);
+  if (!lost.rows.empty()) {
+    Table table;
+    table.header = {"number", "scene", "ours", "value", "best", "value", "ours / best"};
+    for (const Loss& loss : lost.rows) {
+      table.rows.push_back({{loss.number},
+                            {loss.scene},
+                            {loss.ours},
+                            {short_number(loss.ours_value)},
+                            {loss.best},
+                            {short_number(loss.best_value)},
+                            {loss.ratio ? short_number(*loss.ratio) : "-"}});
+    }
+    out += summary_details(fmt::format("Where our own engine is not the best: {} of {} comparisons",
+                                       lost.rows.size(), lost.compared),
+                           html_table(table, palette), lost.rows.size() <= 12);
+  }
+  std::string scene;
+  std::string body;
+  const auto flush = [&] {
+    if (!body.empty()) out += summary_details(scene, body, true);
+    body.clear();
+  };
+  for (const Block& block : blocks) {
+    if (scene_label(block) != scene) {
+      flush();
+      scene = scene_label(block);
+    }
+    const Table table = to_table(block);
+    if (table.rows.empty()) continue;
+    body += fmt::format("<h4>{}</h4>\n{}", escape_markup(block.group), html_table(table, palette));
+  }
+  flush();
+  return out;
+}
+
+std::string html_validation(const ReportSource& source) {
+  if (source.validation.is_null()) return "";
+  std::vector<std::string> cases;
+  std::vector<std::string> engines;
+  std::map<std::pair<std::string, std::string>, const nlohmann::ordered_json*> cells;
+  const auto remember = [](std::vector<std::string>& list, const std::string& name) {
+    if (std::ranges::find(list, name) == list.end()) list.push_back(name);
+  };
+  std::size_t failed = 0;
+  for (const auto& cell : source.validation["cells"]) {
+    const std::string engine =
+        cell["engine"].get<std::string>() + '/' + cell["variant"].get<std::string>();
+    remember(cases, cell["case"].get<std::string>());
+    remember(engines, engine);
+    cells[{cell["case"].get<std::string>(), engine}] = &cell;
+    failed += cell.value("failed", false) ? 1U : 0U;
+  }
+  std::vector<std::string> header = {"case"};
+  header.insert(header.end(), engines.begin(), engines.end());
+  std::string out = fmt::format(
+      "<p>Each cell: the part of the error that the engine's documented scheme explains / the part "
+      "that nothing explains, both relative to the case's scale, of the worst observable. {} of {} "
+      "cells failed.</p>\n{}{}",
+      failed, cells.size(), k_table_open, header_row(header));
+  for (const std::string& name : cases) {
+    out += fmt::format("<tr><th scope=\"row\">{}</th>", escape_markup(name));
+    for (const std::string& engine : engines) {
+      const auto found = cells.find({name, engine});
+      out += validation_cell(found == cells.end() ? nullptr : found->second);
+    }
+    out += "</tr>\n";
+  }
+  return out + k_table_close;
+}
+
+std::string html_unfinished(const ReportSource& source) {
+  std::string rows;
+  std::set<std::string> seen;
+  for (const Row& row : source.rows) {
+    if (!row.state_hash.empty() || !seen.insert(row.cell).second) continue;
+    const std::string repeat =
+        row.outcome == "excluded" ? "" : reproduce_command(row, source.provenance.plan);
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}"
+        "</td><td class=\"text\"><code>{}</code></td></tr>\n",
+        escape_markup(contender_of(row)), escape_markup(scene_of(row)), escape_markup(row.outcome),
+        escape_markup(row.reason), escape_markup(repeat));
+  }
+  if (rows.empty()) return "";
+  return k_table_open + header_row({"engine", "scene", "outcome", "reason", "repeat"}) + rows +
+         k_table_close;
+}
+
+std::string html_contenders(const ReportSource& source, const Palette& palette) {
+  std::map<std::string, std::pair<std::size_t, std::size_t>> cells;  // ran, all
+  std::vector<std::pair<std::string, const Row*>> order;
+  std::set<std::string> seen;
+  for (const Row& row : source.rows) {
+    if (!seen.insert(row.cell).second) continue;
+    const std::string label = contender_of(row);
+    if (!cells.contains(label)) order.emplace_back(label, &row);
+    cells[label].first += row.state_hash.empty() ? 0 : 1;
+    ++cells[label].second;
+  }
+  const std::vector<std::string> own = own_engines(source.provenance);
+  Table table;
+  table.header = {"engine", "version", "precision", "settings", "by", "cells that ran"};
+  for (const auto& [label, row] : order) {
+    const std::string knobs = split_axes(row->axes).knobs;
+    const bool is_own = std::ranges::find(own, row->engine) != own.end();
+    table.rows.push_back({{label},
+                          {row->engine_version},
+                          {row->precision},
+                          {knobs.empty() ? "the variant's own" : knobs},
+                          {is_own ? "this project" : "others"},
+                          {fmt::format("{} of {}", cells[label].first, cells[label].second)}});
+  }
+  return html_table(table, palette);
+}
+
+std::string html_method(const ReportSource& source) {
+  const Provenance& p = source.provenance;
+  const Machine& m = p.machine;
+  return fmt::format(
+      "<p>Every number is computed from the states that an engine reported, by code that shares "
+      "nothing with any engine. A mean or a ratio names how many cells it speaks of.</p>\n"
+      "<pre><code>{}</code></pre>\n<p>Run at {} on {} ({} cores), {}, {}. Revision {}, {} build "
+      "with {} {}. Plan {}.</p>\n",
+      escape_markup(p.command), escape_markup(p.date_utc), escape_markup(m.cpu), m.cores,
+      escape_markup(m.architecture), escape_markup(m.system), escape_markup(m.revision),
+      escape_markup(m.build_type), escape_markup(m.compiler), escape_markup(m.flags),
+      escape_markup(p.plan));
+}
+
+std::string html_glossary(const ReportSource& source) {
+  std::set<std::string> used;
+  for (const Row& row : source.rows) used.insert(row.metric);
+  std::string rows;
+  for (const MetricRecord& metric : source.provenance.metrics) {
+    if (!used.contains(metric.name)) continue;
+    rows += fmt::format(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td class=\"text\">{}</td>"
+        "<td class=\"text\">{}</td></tr>\n",
+        escape_markup(metric.name), escape_markup(metric.unit), escape_markup(metric.better),
+        escape_markup(metric.meaning), escape_markup(metric.good));
+  }
+  if (rows.empty()) return "";
+  return k_table_open + header_row({"number", "unit", "better", "meaning", "a good value"}) + rows +
+         k_table_close;
+}
+
+}  // namespace brickbench

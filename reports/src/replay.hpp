@@ -1,0 +1,57 @@
+// Replay: the motion of one run as the 3D view shows it.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "adapters/seam/failure.hpp"
+
+namespace brickbench {
+
+enum class ReplayShape { box, sphere, plane };
+enum class ReplayRole { brick, projectile, fixed };
+
+struct ReplayBody {
+  std::string name;
+  ReplayShape shape = ReplayShape::box;
+  ReplayRole role = ReplayRole::brick;
+  std::array<double, 3> half_extents_m = {0.5, 0.5, 0.5};  // sphere: the radius three times
+
+  bool operator==(const ReplayBody&) const = default;
+};
+
+struct Replay {
+  std::string scene;   // label of the scene; replays of one scene are shown side by side
+  std::string engine;  // label of the contender
+  std::string cell;
+  std::vector<ReplayBody> bodies;
+  std::vector<double> times_s;         // (frames), ascending
+  std::vector<double> positions_m;     // (frames, bodies, 3), world frame
+  std::vector<double> orientations;    // (frames, bodies, 4), w x y z, body to world
+  std::vector<double> penetrations_m;  // empty, or (frames, bodies): deepest overlap of each body
+};
+
+// Fault::invalid with the reason if the sizes do not fit each other, times do not ascend or a
+// number is not finite.
+Expected<void> check(const Replay& replay);
+
+// At most `frames` frames (>= 2), evenly chosen, the first and the last among them.
+Replay thinned(const Replay& replay, std::size_t frames);
+
+// Steps of the lattices that positions and quaternion components are rounded to.
+inline constexpr double k_position_lattice_m = 1e-4;
+inline constexpr double k_quaternion_lattice = 1.0 / 8192;
+inline constexpr double k_penetration_lattice_m = 1e-5;
+
+// For the page: {engine, cell, times, lattices, data}. `data` is base64 of raw deflate of byte
+// planes: for each channel (x y z, w x y z, and the penetration where recorded), of each body, of
+// each frame, the zigzag-coded difference from the frame before; all lowest bytes first, then the
+// next, four of them. Quaternions keep the sign that is nearer to the frame before.
+nlohmann::ordered_json to_json(const Replay& replay);
+
+// The bodies, for the page.
+nlohmann::ordered_json bodies_json(const std::vector<ReplayBody>& bodies);
+
+}  // namespace brickbench

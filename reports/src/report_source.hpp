@@ -1,0 +1,32 @@
+// ReportSource: a results folder as reports see it.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "experiments/record/provenance.hpp"
+#include "experiments/record/row.hpp"
+#include "experiments/record/series.hpp"
+#include "experiments/record/timing.hpp"
+#include "reports/src/replay.hpp"
+
+namespace brickbench {
+
+struct ReportSource {
+  std::string name;  // of the folder
+  std::vector<Row> rows;
+  std::vector<Timing> timings;
+  std::vector<SeriesPoint> series;
+  Provenance provenance;
+  std::vector<Replay> replays;
+  nlohmann::ordered_json validation;  // what `validate --json` printed, or null
+};
+
+// rows.csv, timings.csv, series.csv and provenance.json of the folder; trajectories and
+// validation.json where they exist. Fault::invalid with file and line if something is missing or
+// damaged.
+Expected<ReportSource> read_report_source(const std::filesystem::path& folder);
+
+}  // namespace brickbench
