@@ -2,8 +2,7 @@
 //
 // Arrays are component by component with the stride of the system; cones are second-order cones
 // { (x0, x1, x2): |(x1, x2)| <= x0 }, obtained from Coulomb's by scaling with (1, mu, mu). The
-// arithmetic is the same for every instruction set, element by element and without fused
-// operations, so that the result does not depend on the processor.
+// arithmetic is element by element and without fused operations, the same on every processor.
 #pragma once
 
 #include <cstddef>

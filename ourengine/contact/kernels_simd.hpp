@@ -1,0 +1,11 @@
+// The two halves of the SIMD kernels, each dispatched in its own file.
+#pragma once
+
+#include "ourengine/contact/kernels.hpp"
+
+namespace ourengine::linear {
+
+void add_products(Kernels& kernels);
+void add_factorisations(Kernels& kernels);
+
+}  // namespace ourengine::linear
