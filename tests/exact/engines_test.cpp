@@ -1,0 +1,91 @@
+// The smoke set: every linked engine and variant follows the scheme that it states.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "adapters/catalog.hpp"
+#include "experiments/exact/metamorphic.hpp"
+#include "experiments/exact/validate.hpp"
+#include "tests/exact/random_parameters.hpp"
+
+namespace brickbench::exact {
+namespace {
+
+// Cells that are known to exceed their bound: published as open questions, one per line, with the
+// engine, the variant and the case in the first columns.
+std::set<std::string> open_questions() {
+  std::set<std::string> open;
+  std::ifstream file("reference_data/predictions/open_questions.csv");
+  std::string line;
+  while (std::getline(file, line)) {
+    std::stringstream fields(line);
+    std::string engine, variant, id;
+    std::getline(fields, engine, ',');
+    std::getline(fields, variant, ',');
+    std::getline(fields, id, ',');
+    open.insert(engine + "/" + variant + " " + id);
+  }
+  return open;
+}
+
+// A cell beyond its bound must be listed, and a listed one must be beyond it: nothing is hidden.
+TEST(Engines, FollowTheirSchemesWithinTheBounds) {
+  const std::set<std::string> open = open_questions();
+  ASSERT_FALSE(open.empty());
+  int held = 0;
+  for (const Adapter& adapter : adapters()) {
+    for (const Variant& variant : adapter.variants) {
+      for (const ExactCase& exact_case : exact_cases()) {
+        if (exact_case.threshold || exact_case.needs.contact_forces) continue;
+        const ExactRun run = build(exact_case).value();
+        if (!predict(adapter, variant.name, exact_case, run).no_prediction.empty()) continue;
+        const CellResult cell = exact::validate(adapter, variant.name, exact_case);
+        const std::string label = adapter.name + "/" + variant.name + " " + exact_case.id;
+        EXPECT_EQ(cell.failed(), open.contains(label))
+            << adapter.name << "/" << variant.name << " " << exact_case.id << ": " << cell.outcome
+            << " " << cell.reason << ", unexplained " << cell.worst_unexplained().value_or(0.0)
+            << " against " << cell.bound;
+        held += cell.outcome == "ok";
+      }
+    }
+  }
+  if (adapters().empty()) GTEST_SKIP() << "no engine is linked";
+  EXPECT_GT(held, 0);
+}
+
+// Every fact of every world arrives in every engine that accepts it.
+TEST(Engines, HoldTheFactsOfEveryWorld) {
+  for (const Adapter& adapter : adapters()) {
+    for (const ExactCase& exact_case : exact_cases()) {
+      ExactRun run = build(exact_case).value();
+      run.steps = 1;
+      const auto measured = measure(adapter, "", exact_case, run);
+      if (measured) continue;
+      EXPECT_NE(measured.error().fault, Fault::invalid)
+          << adapter.name << " " << exact_case.id << ": " << measured.error().reason;
+    }
+  }
+}
+
+// Without contact, every image of a scene moves like the scene, to rounding.
+TEST(Engines, MoveImagesOfFreeFlightAlike) {
+  const World world = build(testing::find_case("free_flight.projectile")).value().world;
+  for (const Adapter& adapter : adapters()) {
+    Settings settings;
+    settings.step_s = 0.001;
+    settings.variant = adapter.variants.front().name;
+    for (const Symmetry& symmetry : symmetries()) {
+      const auto result = compare_image(adapter, settings, world, symmetry, 500);
+      EXPECT_EQ(result.outcome, "ok") << adapter.name << " " << symmetry.name << result.reason;
+      if (result.growth.empty()) continue;
+      EXPECT_LT(result.growth.back().difference_m, 1e-11) << adapter.name << " " << symmetry.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace brickbench::exact

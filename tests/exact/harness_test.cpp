@@ -1,0 +1,128 @@
+// The judge's own tools: audit, order fit, images of scenes, selection of cases.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "experiments/exact/audit.hpp"
+#include "experiments/exact/builders.hpp"
+#include "experiments/exact/metamorphic.hpp"
+#include "experiments/exact/order.hpp"
+#include "tests/exact/random_parameters.hpp"
+#include "tests/support/tolerance.hpp"
+
+namespace brickbench::exact {
+namespace {
+
+using brickbench::testing::Tolerance;
+using brickbench::testing::Worst;
+using Eigen::Vector3d;
+
+constexpr Tolerance k_back = {"state taken to the image and back", 1e-15, 7.5e-17,
+                              "rounding of two rotations of coordinates of size ten"};
+
+// An audit that holds exactly what the World says, to be spoiled.
+class Honest final : public AuditView {
+ public:
+  explicit Honest(const World& world) : world_(world) {
+    view.gravity_mps2 = world.gravity_mps2;
+    for (const Body& body : world.bodies) {
+      BodyAudit live;
+      live.fixed = body.fixed;
+      live.shape = body.shape;
+      if (!body.fixed) {
+        live.mass_kg = body.mass_kg;
+        live.inertia_kgm2 = body.inertia_kgm2;
+      }
+      view.bodies.push_back(live);
+    }
+  }
+  Audit audit() const override { return view; }
+  ContactLaw pair_law(std::size_t a, std::size_t b) const override {
+    ContactLaw law = contact_law(world_, a, b);
+    law.friction += extra_friction;
+    return law;
+  }
+  Audit view;
+  double extra_friction = 0.0;
+
+ private:
+  World world_;
+};
+
+TEST(Audit, NamesEachFactThatDidNotArrive) {
+  const World world = build(testing::find_case("friction.pull_apart")).value().world;
+  EXPECT_TRUE(audit_differences(world, Honest(world)).empty());
+  const auto spoiled = [&](auto edit) {
+    Honest view(world);
+    edit(view);
+    return audit_differences(world, view).size();
+  };
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.gravity_mps2 *= 1.0 + 1e-9; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies[1].mass_kg *= 1.0 + 1e-9; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies[1].inertia_kgm2.x() *= 1.0 + 1e-9; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies[2].linear_damping_hz = 1e-9; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies[2].can_sleep = true; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies[0].fixed = false; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies[2].shape = SphereShape{0.1}; }), 1u);
+  EXPECT_EQ(spoiled([](Honest& h) { h.extra_friction = 1e-9; }), 3u) << "three pairs";
+  EXPECT_EQ(spoiled([](Honest& h) { h.view.bodies.pop_back(); }), 1u);
+}
+
+TEST(OrderFit, FindsTheSlopeAndItsBand) {
+  std::vector<LadderRung> ladder;
+  for (const double h : {0.004, 0.002, 0.001, 0.0005}) ladder.push_back({h, 3.0 * h * h, 0.0});
+  const OrderFit clean = fit_order(ladder);
+  EXPECT_NEAR(clean.order, 2.0, 1e-12);
+  EXPECT_LT(clean.half_width, 1e-6);
+  ladder[1].error *= 1.3;
+  ladder[2].error *= 0.8;
+  const OrderFit noisy = fit_order(ladder);
+  EXPECT_GT(noisy.half_width, 0.1);
+  EXPECT_LT(std::abs(noisy.order - 2.0), noisy.half_width);
+  ladder[3].error = 1e-15;
+  EXPECT_TRUE(fit_order(ladder).at_rounding);
+}
+
+TEST(Images, AreTakenBackToTheScene) {
+  Worst worst;
+  const World world = build(testing::find_case("impact.corner")).value().world;
+  for (const Symmetry& symmetry : symmetries()) {
+    const World other = image(world, symmetry);
+    ASSERT_TRUE(validate(other).has_value()) << symmetry.name;
+    const State back = taken_back(other.bodies[1].initial, symmetry);
+    const State& there = world.bodies[1].initial;
+    worst.see((back.position_m - there.position_m).norm(), symmetry.name + " position");
+    worst.see((back.velocity_mps - there.velocity_mps).norm(), symmetry.name + " velocity");
+    worst.see(angle_between_rad(back.orientation, there.orientation), symmetry.name + " attitude");
+  }
+  EXPECT_TRUE(worst.within(k_back));
+}
+
+// The truths themselves are invariant: kinetic energy scales with m l^2/t^2, gravity with l/t^2.
+TEST(Images, ScaleEnergyAndGravity) {
+  const World world = build(testing::find_case("conservation.elastic_heap")).value().world;
+  const auto energy = [](const World& w) {
+    std::vector<State> states;
+    for (const Body& body : w.bodies) states.push_back(body.initial);
+    return kinetic_energy_j(w, states);
+  };
+  for (const Symmetry& s : symmetries()) {
+    const double factor = s.mass * s.length * s.length / (s.time * s.time);
+    EXPECT_NEAR(energy(image(world, s)) / (factor * energy(world)), 1.0, 1e-13) << s.name;
+    const World falling = build(testing::find_case("impact.flat_drop")).value().world;
+    EXPECT_NEAR(image(falling, s).gravity_mps2.norm(),
+                s.length / (s.time * s.time) * k_gravity_mps2, 1e-13)
+        << s.name;
+  }
+}
+
+TEST(Selection, KnowsAllFamiliesAndIds) {
+  const auto cases = exact_cases();
+  EXPECT_EQ(select_cases(cases, "all").size(), cases.size());
+  EXPECT_EQ(select_cases(cases, "rolling.*").size(), 4u);
+  EXPECT_EQ(select_cases(cases, "impact.cradle").size(), 1u);
+  EXPECT_TRUE(select_cases(cases, "impact").empty());
+}
+
+}  // namespace
+}  // namespace brickbench::exact
