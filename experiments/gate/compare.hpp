@@ -1,0 +1,51 @@
+// Compares what was obtained with the references: one finding per record, worst first.
+#pragma once
+
+#include "experiments/gate/equivalence.hpp"
+#include "experiments/gate/reference.hpp"
+
+namespace brickbench::gate {
+
+enum class Finding {
+  fine,            // within the bound, equal, identical or equivalent
+  open,            // no difference found, equivalence not shown: more runs would tell
+  not_comparable,  // a hash of another engine version, precision or platform
+  deviation,
+  missing,  // a reference that nothing was obtained for
+  fresh,    // obtained, but no reference yet
+};
+
+enum class Trend { none, better, worse };
+
+struct Comparison {
+  std::string experiment;
+  Record reference;
+  Record obtained;
+  Finding finding = Finding::fine;
+  Trend trend = Trend::none;     // by the metric's good direction
+  double reference_value = 0.0;  // for distributions the mean
+  double obtained_value = 0.0;
+  double difference = 0.0;
+  double bound = 0.0;   // of |difference|; for distributions the level of p
+  double factor = 0.0;  // how many times over the bound; for p-values bound / p
+  double p_value = 1.0;
+  std::string message;  // one sentence with all of the above
+};
+
+struct ComparePlan {
+  double alpha = 0.01;  // chance of any false "different" in the whole suite
+  SequentialPlan sequential;
+};
+
+// All p-values of the suite stand in one family (Holm). `complete`: everything that the references
+// hold was to be obtained, so that what is missing is a failure.
+std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
+                                const ComparePlan& plan, bool complete);
+
+// Whether the gate is red: a deviation, or something missing.
+bool is_red(const Comparison& comparison);
+
+std::string_view to_word(Finding finding);
+std::string_view to_word(Trend trend);
+
+}  // namespace brickbench::gate

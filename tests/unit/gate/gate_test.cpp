@@ -1,0 +1,165 @@
+// References, comparisons and blessings: what is red, why, and what a blessing may touch.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "experiments/gate/check.hpp"
+#include "experiments/gate/observe.hpp"
+
+namespace brickbench::gate {
+namespace {
+
+Record bound_record(double value, double bound) {
+  Record record;
+  record.engine = "some/variant";
+  record.axes = "step_s=0.001";
+  record.metric = "energy_final_j";
+  record.kind = Kind::bound;
+  record.unit = "J";
+  record.better = "lower";
+  record.seeds = {1, 2};
+  record.values = {value, value};
+  record.bound = bound;
+  record.why = "test";
+  return record;
+}
+
+Record sample_record(double mean, std::uint64_t seed) {
+  Record record = bound_record(0.0, 0.0);
+  record.kind = Kind::distribution;
+  record.metric = "bricks_displaced";
+  record.better = "neither";
+  record.margin = 1.0;
+  record.seeds.clear();
+  record.values.clear();
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(mean, 1.0);
+  for (std::uint64_t s = 1; s <= 40; ++s) {
+    record.seeds.push_back(s);
+    record.values.push_back(normal(random));
+  }
+  return record;
+}
+
+Record hash_record(const std::string& hash, const std::string& version) {
+  Record record = bound_record(0.0, 0.0);
+  record.kind = Kind::hash;
+  record.metric.clear();
+  record.seeds = {0};
+  record.values.clear();
+  record.hashes = {hash};
+  record.engine_version = version;
+  return record;
+}
+
+Suite suite_of(std::vector<Record> records) { return {{{"experiment", std::move(records)}}}; }
+
+Comparison only(const Record& reference, const Record& obtained) {
+  return compare(suite_of({reference}), suite_of({obtained}), {}, true).at(0);
+}
+
+TEST(Gate, BoundsAreInclusiveAndTellBetterFromWorse) {
+  EXPECT_EQ(only(bound_record(1.0, 0.5), bound_record(1.5, 0.5)).finding, Finding::fine);
+  const Comparison worse = only(bound_record(1.0, 0.25), bound_record(2.0, 0.25));
+  EXPECT_EQ(worse.finding, Finding::deviation);
+  EXPECT_EQ(worse.trend, Trend::worse);
+  EXPECT_DOUBLE_EQ(worse.factor, 4.0);
+  EXPECT_EQ(only(bound_record(1.0, 0.25), bound_record(0.0, 0.25)).trend, Trend::better);
+}
+
+TEST(Gate, HashesCountOnTheSameEngineVersionAlone) {
+  EXPECT_EQ(only(hash_record("a", "1"), hash_record("a", "1")).finding, Finding::fine);
+  EXPECT_EQ(only(hash_record("a", "1"), hash_record("b", "1")).finding, Finding::deviation);
+  EXPECT_EQ(only(hash_record("a", "1"), hash_record("b", "2")).finding, Finding::not_comparable);
+}
+
+TEST(Gate, SamplesAreComparedAsDistributions) {
+  EXPECT_EQ(only(sample_record(5.0, 1), sample_record(5.0, 1)).finding, Finding::fine);
+  EXPECT_EQ(only(sample_record(5.0, 1), sample_record(5.0, 2)).finding, Finding::fine);
+  EXPECT_EQ(only(sample_record(5.0, 1), sample_record(7.0, 2)).finding, Finding::deviation);
+  Record narrow = sample_record(5.0, 1);
+  narrow.margin = 0.05;
+  const Comparison open = only(narrow, sample_record(5.0, 2));
+  EXPECT_EQ(open.finding, Finding::open);
+  EXPECT_NE(open.message.find("more needed"), std::string::npos) << open.message;
+}
+
+TEST(Gate, AnOutcomeThatChangedIsADeviation) {
+  Record crashed = bound_record(1.0, 1.0);
+  crashed.outcome = "crashed";
+  crashed.values.clear();
+  EXPECT_EQ(only(bound_record(1.0, 1.0), crashed).finding, Finding::deviation);
+}
+
+TEST(Gate, WhatIsMissingOrNewIsSaid) {
+  const Suite one = suite_of({bound_record(1.0, 0.1)});
+  EXPECT_EQ(compare(one, Suite{}, {}, true).at(0).finding, Finding::missing);
+  EXPECT_EQ(compare(Suite{}, one, {}, true).at(0).finding, Finding::fresh);
+}
+
+TEST(Gate, TheWorstComesFirst) {
+  Record a = bound_record(1.0, 0.1), b = bound_record(1.0, 0.1), c = bound_record(1.0, 0.1);
+  a.metric = "a";
+  b.metric = "b";
+  c.metric = "c";
+  const Suite reference = suite_of({a, b, c});
+  b.values = {2.0, 2.0};
+  c.values = {9.0, 9.0};
+  const auto all = compare(reference, suite_of({a, b, c}), {}, true);
+  EXPECT_EQ(all[0].obtained.metric, "c");
+  EXPECT_EQ(all[1].obtained.metric, "b");
+}
+
+TEST(Gate, ABlessingRewritesOnlyWhatChanged) {
+  Record same = bound_record(1.0, 0.5), moved = bound_record(1.0, 0.5);
+  same.metric = "a_same";
+  moved.metric = "b_moved";
+  const Suite reference = suite_of({same, moved});
+  same.values = {1.1, 1.1};  // within its bound
+  moved.values = {5.0, 5.0};
+  const BlessResult result =
+      bless(reference, suite_of({same, moved}), {"a reason", "date", "rev", "cpu", "cc"}, {});
+  ASSERT_EQ(result.changed.size(), 1u);
+  const auto& records = result.suite.experiments.at(0).records;
+  EXPECT_EQ(records[0].values[0], 1.0);
+  EXPECT_EQ(records[0].blessed, Blessing{});
+  EXPECT_EQ(records[1].values[0], 5.0);
+  EXPECT_EQ(records[1].blessed.reason, "a reason");
+}
+
+TEST(Gate, JUnitNamesTheOffenderAndEscapesIt) {
+  CheckResult result;
+  Record odd = bound_record(1.0, 0.1);
+  odd.metric = "a<b";
+  Record far = odd;
+  far.values = {3.0, 3.0};
+  result.comparisons = compare(suite_of({odd}), suite_of({far}), {}, true);
+  const std::string text = junit("smoke", result);
+  EXPECT_NE(text.find("failures=\"1\""), std::string::npos);
+  EXPECT_NE(text.find("a&lt;b"), std::string::npos);
+  EXPECT_NE(text.find("brickbench check smoke --engine some/variant --only experiment"),
+            std::string::npos);
+  EXPECT_EQ(exit_code(result), 1);
+}
+
+TEST(Gate, SeedsSayTheKindAndBoundsFollowFromTheSpread) {
+  EXPECT_EQ(kind_for(1), Kind::hash);
+  EXPECT_EQ(kind_for(4), Kind::bound);
+  EXPECT_EQ(kind_for(k_ensemble_seeds), Kind::distribution);
+  std::vector<Row> rows(3);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].experiment = "experiment";
+    rows[i].metric = "m";
+    rows[i].outcome = "ok";
+    rows[i].seed = i + 1;
+    rows[i].value = 1.0 + 0.001 * static_cast<double>(i);
+  }
+  const Suite suite = observe(rows, {{"experiment", 3}}, {});
+  const Record& record = suite.experiments.at(0).records.at(0);
+  EXPECT_NEAR(record.residual, 0.002, 1e-15);
+  EXPECT_NEAR(record.bound, 0.02, 1e-14);
+}
+
+}  // namespace
+}  // namespace brickbench::gate
