@@ -114,6 +114,7 @@ std::string navigation(const std::string& body) {
 }
 
 std::string assets_html(const PageAssets& assets) {
+  if (assets.missing.empty() && assets.script.empty()) return "";
   if (!assets.missing.empty()) {
     return fmt::format(
         "<p class=\"quiet\">This page shows static figures and no 3D view: {}.</p>\n",

@@ -46,10 +46,11 @@ Replay motion(const Row& row, std::size_t courses, std::size_t columns, double s
   replay.engine = contender_of(row);
   replay.cell = row.cell;
   replay.bodies.push_back({"ground", ReplayShape::plane, ReplayRole::fixed, {1.0, 1.0, 1.0}});
-  replay.bodies.push_back({"projectile", ReplayShape::box, ReplayRole::projectile, {0.1, 0.1, 0.1}});
+  replay.bodies.push_back(
+      {"projectile", ReplayShape::box, ReplayRole::projectile, {0.1, 0.1, 0.1}});
   for (std::size_t i = 0; i < courses * columns; ++i) {
-    replay.bodies.push_back({fmt::format("brick {}", i), ReplayShape::box, ReplayRole::brick,
-                             {0.1, 0.05, 0.05}});
+    replay.bodies.push_back(
+        {fmt::format("brick {}", i), ReplayShape::box, ReplayRole::brick, {0.1, 0.05, 0.05}});
   }
   const double middle_m = 0.05 * static_cast<double>(courses);
   for (std::size_t f = 0; f < k_frames; ++f) {
@@ -64,8 +65,9 @@ Replay motion(const Row& row, std::size_t courses, std::size_t columns, double s
     put(0.0, std::min(-1.5 + 15.0 * t_s, 0.4), middle_m, 0.0);
     for (std::size_t i = 0; i < courses * columns; ++i) {
       const std::size_t course = i / columns;
-      const double x = 0.201 * (static_cast<double>(i % columns) + 0.5 * static_cast<double>(course % 2) -
-                                0.5 * static_cast<double>(columns));
+      const double x =
+          0.201 * (static_cast<double>(i % columns) + 0.5 * static_cast<double>(course % 2) -
+                   0.5 * static_cast<double>(columns));
       const double z = 0.05 + 0.1 * static_cast<double>(course);
       const double near = std::exp(-(x * x + (z - middle_m) * (z - middle_m)) / 0.1);
       const double since_s = std::max(t_s - 0.1, 0.0);

@@ -2,6 +2,7 @@
 import { Clock } from "./clock.js";
 import { Controls } from "./controls.js";
 import { decodeView } from "./decode.js";
+import { arrange, picture } from "./picture.js";
 import { drawPlots } from "./plots.js";
 import { Stage } from "./stage.js";
 
@@ -59,7 +60,7 @@ async function openReplay(host) {
 // What tests and `brickbench render` drive.
 const host = document.querySelector("[data-replay]");
 const ready = host ? openReplay(host) : Promise.resolve(null);
-window.brickbench = { data, clock, ready, drawAllPlots };
+window.brickbench = { data, clock, ready, drawAllPlots, arrange, picture };
 ready.catch((error) => {
   console.error(error);
   host.append(`The replay could not be opened: ${error.message}`);

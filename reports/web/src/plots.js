@@ -2,6 +2,7 @@
 import uPlot from "uplot";
 
 const height = 260;
+const followMs = 120;  // while playing, cursors move at most this often
 
 function style(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -69,7 +70,7 @@ function options(figure, width, data) {
     width, height, series, bands,
     scales: { x: { time: false, ...scale(figure.x, data[0]) }, y: scale(figure.y, data.slice(1).flat()) },
     axes: [axis(figure.x), axis(figure.y)],
-    legend: { live: true }, cursor: { drag: { x: true, y: false } },
+    legend: { live: true }, cursor: { y: false, drag: { x: true, y: false } },
   };
 }
 
@@ -87,6 +88,8 @@ function draw(host, figure, clock) {
   host.prepend(title, place);
   let plot = null;
   let following = false;
+  let seen = true;
+  let followed = 0;
   const make = () => {
     plot?.destroy();
     plot = new uPlot(options(figure, host.clientWidth, data), data, place);
@@ -102,7 +105,9 @@ function draw(host, figure, clock) {
     if (figure.over_time) follow(clock.time, null);
   };
   const follow = (time, source) => {
-    if (source === plot || following) return;
+    const now = performance.now();
+    if (source === plot || following || !seen || (clock.playing && now - followed < followMs)) return;
+    followed = now;
     following = true;
     plot.setCursor({ left: plot.valToPos(time, "x"), top: plot.over.clientHeight / 2 }, false);
     following = false;
@@ -116,6 +121,10 @@ function draw(host, figure, clock) {
     plot.setSize({ width, height });
   }).observe(host);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", make);
+  new IntersectionObserver(([entry]) => {
+    seen = entry.isIntersecting;
+    if (seen && figure.over_time) follow(clock.time, null);
+  }).observe(host);
   host.dataset.ready = "true";
 }
 

@@ -1,7 +1,7 @@
 // The 3D stage: one WebGL context, one scissor viewport per engine, one camera for all of them.
 import {
-  Color, GridHelper, Mesh, MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, Vector3,
-  WebGLRenderer,
+  BufferGeometry, Color, Float32BufferAttribute, LineBasicMaterial, LineSegments, Mesh,
+  MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Actors } from "./actors.js";
@@ -13,6 +13,31 @@ const directions = {
 export const presets = Object.keys(directions);
 const slowFrameMs = 70;
 
+// A grid of (2 n)^2 squares in short pieces: some software renderers lose long lines that pass the
+// camera.
+function squares(n, step) {
+  const points = [];
+  for (let i = -n; i <= n; ++i) {
+    for (let k = -n; k < n; ++k) {
+      points.push(i * step, k * step, 0, i * step, (k + 1) * step, 0);
+      points.push(k * step, i * step, 0, (k + 1) * step, i * step, 0);
+    }
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
+  return new LineSegments(geometry, new LineBasicMaterial());
+}
+
+// Whether WebGL has no GPU here: then smooth edges cost more than they are worth.
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return true;
+  const info = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 export class Stage {
   constructor(host, clock) {
     this.host = host;
@@ -20,10 +45,14 @@ export class Stage {
     this.canvas = document.createElement("canvas");
     host.append(this.canvas);
     this.renderer = new WebGLRenderer({
-      canvas: this.canvas, antialias: true, preserveDrawingBuffer: true, powerPreference: "high-performance",
+      canvas: this.canvas, antialias: !drawsInSoftware(), powerPreference: "high-performance",
     });
     this.renderer.setScissorTest(true);
-    this.ratio = Math.min(window.devicePixelRatio || 1, 2);
+    // Pixels per CSS pixel: full when still, less while playing where the machine is slow.
+    this.fullRatio = Math.min(window.devicePixelRatio || 1, 2);
+    this.playRatio = this.fullRatio;
+    this.ratio = this.fullRatio;
+    this.adaptive = true;
     this.camera = new PerspectiveCamera(32, 1, 0.01, 500);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
@@ -91,13 +120,12 @@ export class Stage {
 
   furnish() {
     const { low, high, size } = this.box;
-    const span = 14 * size;
+    const span = 16 * size;
     this.floor = new Mesh(new PlaneGeometry(span, span), new MeshBasicMaterial());
     const plane = this.bodies.findIndex((body) => body.shape === "plane");
     const height = plane >= 0 ? this.views[0].run.positions[3 * plane + 2] : low[2];
     const step = 10 ** Math.round(Math.log10(size / 4));
-    this.grid = new GridHelper(span, Math.min(200, Math.max(2, Math.round(span / step))));
-    this.grid.rotation.x = Math.PI / 2;
+    this.grid = squares(Math.min(40, Math.ceil(span / step / 2)), step);
     for (const item of [this.floor, this.grid]) {
       item.position.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, height);
       this.scene.add(item);
@@ -117,8 +145,6 @@ export class Stage {
     if (this.floor) {
       this.floor.material.color.set(dark ? 0x2a3038 : 0xc9d1d8);
       this.grid.material.color.set(dark ? 0x56616c : 0x8e9aa5);
-      this.grid.material.vertexColors = false;
-      this.grid.material.needsUpdate = true;
     }
     this.dirty = true;
   }
@@ -242,14 +268,18 @@ export class Stage {
     const elapsed = this.before ? now - this.before : 0;
     this.before = now;
     this.clock.advance(Math.min(elapsed, 250) / 1000);
+    const wanted = this.clock.playing ? this.playRatio : this.fullRatio;
+    if (this.adaptive && wanted !== this.ratio) {
+      this.ratio = wanted;
+      this.resize();
+    }
     if (!this.dirty) return;
     if (this.clock.playing) {
       this.costs.push(elapsed);
       if (this.costs.length >= 8) {
         const median = this.costs.sort((a, b) => a - b)[4];
-        if (median > slowFrameMs && this.ratio > 0.6) {
-          this.ratio = this.ratio > 1 ? 1 : Math.max(0.6, this.ratio * 0.8);
-          this.resize();
+        if (median > slowFrameMs && this.playRatio > 0.6) {
+          this.playRatio = this.playRatio > 1 ? 1 : Math.max(0.6, this.playRatio * 0.8);
         }
         this.costs = [];
       }
