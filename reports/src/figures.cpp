@@ -142,7 +142,7 @@ std::vector<Figure> figures_over_time(const ReportSource& source, Palette& palet
     if (figure.id.empty()) {
       figure.id =
           file_id(fmt::format("time-{}-{}-{}", point.experiment, figures.size(), point.curve));
-      figure.title = point.curve + " over time";
+      figure.title = fmt::format("{}: {}", point.curve, cell.scene);
       figure.scene = cell.scene;
       figure.x = {"time_s", "s", false};
       figure.y = {point.curve, point.unit, false};
