@@ -27,6 +27,7 @@ void add_validate_verb(CLI::App& app, Invocation& invocation);
 void add_report_verb(CLI::App& app, Invocation& invocation);
 void add_check_verb(CLI::App& app, Invocation& invocation);
 void add_bless_verb(CLI::App& app, Invocation& invocation);
+void add_oracle_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
 }  // namespace brickbench
