@@ -5,7 +5,9 @@
 // whose starts are independent: nothing is identical, and only the statistics decide.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <map>
