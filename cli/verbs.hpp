@@ -25,6 +25,8 @@ void add_run_verb(CLI::App& app, Invocation& invocation);
 void add_list_verb(CLI::App& app, Invocation& invocation);
 void add_validate_verb(CLI::App& app, Invocation& invocation);
 void add_report_verb(CLI::App& app, Invocation& invocation);
+void add_render_verb(CLI::App& app, Invocation& invocation);
+void add_compare_verb(CLI::App& app, Invocation& invocation);
 void add_check_verb(CLI::App& app, Invocation& invocation);
 void add_bless_verb(CLI::App& app, Invocation& invocation);
 void add_oracle_verb(CLI::App& app, Invocation& invocation);

@@ -146,9 +146,9 @@ std::optional<Change> change_between(const std::string& number, const Values& a,
   const double moved = *change.after - *change.before;
   change.relative = scale > 0.0 ? std::abs(moved) / scale : 0.0;
   change.noise = scale > 0.0 ? std::max(half_range(a.values), half_range(b.values)) / scale : 0.0;
-  change.kind = change.relative > std::max(change.noise, k_rounding_relative)
-                    ? ChangeKind::beyond_noise
-                    : ChangeKind::within_noise;
+  const bool is_beyond = std::abs(moved) > k_rounding_absolute &&
+                         change.relative > std::max(change.noise, k_rounding_relative);
+  change.kind = is_beyond ? ChangeKind::beyond_noise : ChangeKind::within_noise;
   change.worse = (b.better == "lower" && moved > 0.0) || (b.better == "higher" && moved < 0.0);
   return change;
 }

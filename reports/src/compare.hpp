@@ -14,6 +14,9 @@ namespace brickbench {
 // Below this relative difference two numbers of deterministic runs are told apart only by the
 // rounding of compilers and machines.
 inline constexpr double k_rounding_relative = 1e-12;
+// And below this difference, in the number's own SI unit: sums over thousands of steps whose true
+// value is zero are nothing but rounding.
+inline constexpr double k_rounding_absolute = 1e-11;
 // A CPU time must change by more than this share to count: the clocks of a shared machine vary.
 inline constexpr double k_timing_noise_relative = 0.25;
 

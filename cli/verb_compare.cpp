@@ -1,0 +1,111 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "cli/report_output.hpp"
+#include "cli/terminal.hpp"
+#include "cli/verbs.hpp"
+#include "reports/src/compare.hpp"
+
+namespace brickbench {
+namespace {
+
+struct CompareOptions {
+  std::string a;
+  std::string b;
+  std::string out;
+  std::size_t rows = 20;
+  bool markdown = false;
+  bool json = false;
+};
+
+nlohmann::ordered_json change_json(const Change& change) {
+  const auto number = [](const std::optional<double>& value) {
+    return value && std::isfinite(*value) ? nlohmann::ordered_json(*value)
+                                          : nlohmann::ordered_json(nullptr);
+  };
+  constexpr std::array kinds = {"beyond_noise", "within_noise", "outcome"};
+  return {{"id", fmt::format("{}:{}:{}", change.engine, change.scene, change.number)},
+          {"kind", kinds[static_cast<std::size_t>(change.kind)]},
+          {"unit", change.unit},
+          {"before", number(change.before)},
+          {"after", number(change.after)},
+          {"relative", number(change.relative)},
+          {"noise", number(change.noise)},
+          {"worse", change.worse},
+          {"words", change.words}};
+}
+
+void print_json(const Comparison& comparison) {
+  nlohmann::ordered_json json = {
+      {"headline", headline(comparison)},          {"facts", comparison.facts},
+      {"compared", comparison.compared},           {"same", comparison.same},
+      {"beyond_noise", comparison.beyond_noise},   {"only_in_a", comparison.only_in_a},
+      {"only_in_b", comparison.only_in_b},         {"changes", nlohmann::ordered_json::array()},
+      {"timings", nlohmann::ordered_json::array()}};
+  for (const Change& change : comparison.changes) json["changes"].push_back(change_json(change));
+  for (const Change& change : comparison.timings) json["timings"].push_back(change_json(change));
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+void print_tables(const Comparison& comparison, std::size_t rows) {
+  const TerminalStyle style = standard_output_style();
+  fmt::print("{}\n", headline(comparison));
+  for (const std::string& fact : comparison.facts) fmt::print("  {}\n", fact);
+  Table changes = changes_table(comparison, rows);
+  if (!changes.rows.empty()) {
+    changes.title =
+        fmt::format("beyond noise: {} of {}", changes.rows.size(), comparison.beyond_noise);
+    fmt::print("\n{}", to_terminal(changes, style));
+  }
+  Table timings = timings_table(comparison);
+  if (!timings.rows.empty()) {
+    timings.title = "CPU time per step";
+    fmt::print("\n{}", to_terminal(timings, style));
+  }
+  for (const std::string& cell : comparison.only_in_a) fmt::print("only in the first: {}\n", cell);
+  for (const std::string& cell : comparison.only_in_b) fmt::print("only in the second: {}\n", cell);
+}
+
+int compare_folders(const CompareOptions& options) {
+  const auto sources = read_sources({options.a, options.b});
+  if (!sources) return complain_of(sources.error());
+  const Comparison comparison = compare(sources->front(), sources->back());
+  const std::string markdown = compare_markdown(comparison, options.a, options.b);
+  if (!options.out.empty()) {
+    PageAssets assets = page_assets();
+    assets.script.clear();  // nothing to replay here
+    const std::vector<OutputFile> files = {
+        {"index.html", page(options.a + " -> " + options.b,
+                            compare_html(comparison, options.a, options.b), "", assets)},
+        {"compare.md", markdown}};
+    if (auto ok = write_folder(options.out, files); !ok) return complain_of(ok.error());
+  }
+  if (options.json)
+    print_json(comparison);
+  else if (options.markdown)
+    fmt::print("{}", markdown);
+  else
+    print_tables(comparison, options.rows);
+  const bool differs = comparison.beyond_noise > 0 || !comparison.only_in_a.empty() ||
+                       !comparison.only_in_b.empty() || comparison.compared == 0;
+  return differs ? k_exit_failed_case : k_exit_fine;
+}
+
+}  // namespace
+
+void add_compare_verb(CLI::App& app, Invocation& invocation) {
+  CLI::App* verb = app.add_subcommand(
+      "compare", "Say what changed between two results folders; exit code 1 if anything did");
+  auto options = std::make_shared<CompareOptions>();
+  verb->add_option("before", options->a, "Results folder")->required();
+  verb->add_option("after", options->b, "Results folder")->required();
+  verb->add_option("--out", options->out, "New folder for a page and Markdown");
+  verb->add_option("--rows", options->rows, "Changes to print at most");
+  verb->add_flag("--markdown", options->markdown, "Print Markdown, to paste elsewhere");
+  verb->add_flag("--json", options->json, "The result as JSON on standard output");
+  verb->callback([options, &invocation] { invocation.exit_code = compare_folders(*options); });
+}
+
+}  // namespace brickbench
