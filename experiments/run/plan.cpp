@@ -12,7 +12,7 @@
 namespace brickbench {
 namespace {
 
-const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment"};
+const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment", "bench"};
 const std::vector<std::string> k_experiment_keys = {
     "name",       "scenario", "engines", "step_s", "duration_s", "time_limit_s",
     "parameters", "seeds",    "perturb", "except", "expect",     "metrics"};
@@ -311,6 +311,21 @@ Experiment experiment(const Value& table, const Catalogues& catalogues) {
   return result;
 }
 
+BenchChoice bench_choice(const Value& table, const Catalogues& catalogues) {
+  expect(table, "bench", ValueKind::table);
+  reject_unknown(table, "bench", {"base", "repeat"});
+  const Value* base = table.find("base");
+  if (base == nullptr) reject(table.at, "bench needs the key 'base'");
+  BenchChoice result;
+  result.base = parse_selector(filled_text(*base, "base"), base->at, catalogues, false);
+  if (const Value* repeat = table.find("repeat")) {
+    const double rounds = expect(*repeat, "repeat", ValueKind::integer).number;
+    if (rounds < 1.0 || rounds > 1000.0) reject(repeat->at, "repeat must be from 1 to 1000");
+    result.repeat = static_cast<std::size_t>(rounds);
+  }
+  return result;
+}
+
 Plan plan(const Value& table, const Catalogues& catalogues) {
   reject_unknown(table, "a plan", k_plan_keys);
   Plan result;
@@ -320,6 +335,7 @@ Plan plan(const Value& table, const Catalogues& catalogues) {
   if (const Value* analysis = table.find("analysis")) {
     result.analysis = expect(*analysis, "analysis", ValueKind::text).text;
   }
+  if (const Value* bench = table.find("bench")) result.bench = bench_choice(*bench, catalogues);
   const Value* list = table.find("experiment");
   if (list == nullptr) reject({table.at.file, 0, 0}, "a plan needs at least one [[experiment]]");
   if (list->kind != ValueKind::array) {

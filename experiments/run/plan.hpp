@@ -60,6 +60,12 @@ struct Experiment {
   std::vector<std::string> metrics;  // names, in the order of the catalogue
 };
 
+// How `bench` times the plan's cells.
+struct BenchChoice {
+  Selector base;           // the engine that the others are compared with
+  std::size_t repeat = 3;  // rounds
+};
+
 struct Plan {
   std::filesystem::path file;
   std::string name;  // the file's stem
@@ -67,6 +73,7 @@ struct Plan {
   std::string analysis;
   std::string text;  // the file as read
   std::vector<Experiment> experiments;
+  std::optional<BenchChoice> bench;
 };
 
 // From the command line: "key=value" for every experiment, or "experiment.key=value".
