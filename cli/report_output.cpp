@@ -58,6 +58,20 @@ Expected<void> settle(const fs::path& from, const std::string& out) {
   return {};
 }
 
+// The same bytes for the same input: the date of creation becomes the start of 1970.
+void undate(const fs::path& pdf) {
+  auto text = read_file(pdf);
+  if (!text) return;
+  constexpr std::string_view mark = "/CreationDate (D:";
+  constexpr std::string_view date = "19700101000000";
+  const std::size_t at = text->find(mark);
+  if (at == std::string::npos || at + mark.size() + date.size() > text->size()) return;
+  text->replace(at + mark.size(), date.size(), date);
+  std::error_code ignored;
+  fs::remove(pdf, ignored);
+  (void)write_new_file(pdf, *text);
+}
+
 // Draws all figures in one gnuplot; false if it failed.
 bool draw_pdfs(const std::string& gnuplot, const fs::path& figures,
                const std::vector<Figure>& list) {
@@ -67,10 +81,9 @@ bool draw_pdfs(const std::string& gnuplot, const fs::path& figures,
         "reset\n" + to_gnuplot(figure, figure.id + ".csv", figure.id + ".pdf") + "unset output\n";
   }
   if (!write_new_file(figures / "all.gp", script)) return false;
-  // A fixed date in the files: the same bytes for the same input.
   const std::string command =
-      fmt::format("cd {} && SOURCE_DATE_EPOCH=0 {} all.gp >/dev/null 2>&1",
-                  shell_command({figures.string()}), shell_command({gnuplot}));
+      fmt::format("cd {} && {} all.gp >/dev/null 2>&1", shell_command({figures.string()}),
+                  shell_command({gnuplot}));
   const int status = std::system(command.c_str());
   std::error_code ignored;
   fs::remove(figures / "all.gp", ignored);
@@ -113,6 +126,7 @@ Expected<WrittenReport> write_report(const std::string& out, std::vector<OutputF
     const fs::path folder = scratch.folder() / "figures";
     if (!draw_pdfs(gnuplot, folder, figures)) written.no_pdf_reason = "gnuplot failed";
     for (const Figure& figure : figures) {
+      undate(folder / (figure.id + ".pdf"));
       written.pdfs += fs::exists(folder / (figure.id + ".pdf")) ? 1U : 0U;
     }
   }

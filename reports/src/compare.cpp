@@ -206,7 +206,7 @@ void compare_timings(const ReportSource& a, const ReportSource& b,
 
 double severity(const Change& change) {
   if (change.kind == ChangeKind::outcome) return std::numeric_limits<double>::infinity();
-  return change.kind == ChangeKind::beyond_noise ? change.relative : -1.0 + change.relative;
+  return change.kind == ChangeKind::beyond_noise ? change.relative : change.relative - 1e6;
 }
 
 }  // namespace
