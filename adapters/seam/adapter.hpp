@@ -18,7 +18,7 @@ struct Settings {
   double step_s = 0.001;  // > 0
   std::string variant;    // empty: the adapter's first variant
   KnobValues knobs;
-  int threads = 1;        // an engine that cannot have more than one refuses more
+  int threads = 1;  // an engine that cannot have more than one refuses more
 };
 
 struct Knob {
@@ -36,8 +36,8 @@ struct Variant {
 
 struct Adapter {
   std::string name;
-  std::string version;    // as the library reports it: the receipt that it is linked
-  std::string precision;  // "f64" or "f32"
+  std::string version;            // as the library reports it: the receipt that it is linked
+  std::string precision;          // "f64" or "f32"
   std::vector<Variant> variants;  // the first is what the bare engine name means
   std::vector<Knob> knobs;
   // The world is valid and the settings name a variant and knobs of this adapter: build() below

@@ -32,12 +32,18 @@ inline tl::unexpected<Failure> fail(Fault fault, std::string reason) {
 // The word that stands in the `outcome` column of the rows; a cell without a failure has "ok".
 constexpr std::string_view to_outcome(Fault fault) {
   switch (fault) {
-    case Fault::unsupported: return "refused";
-    case Fault::invalid: return "invalid";
-    case Fault::diverged: return "diverged";
-    case Fault::crashed: return "crashed";
-    case Fault::timed_out: return "timed_out";
-    case Fault::out_of_memory: return "out_of_memory";
+    case Fault::unsupported:
+      return "refused";
+    case Fault::invalid:
+      return "invalid";
+    case Fault::diverged:
+      return "diverged";
+    case Fault::crashed:
+      return "crashed";
+    case Fault::timed_out:
+      return "timed_out";
+    case Fault::out_of_memory:
+      return "out_of_memory";
   }
   return "invalid";
 }

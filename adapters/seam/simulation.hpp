@@ -17,9 +17,9 @@ struct Contact {
   std::size_t body_a = 0;  // indices into World::bodies
   std::size_t body_b = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();        // unit, world frame, from a towards b
-  double gap_m = 0.0;                                       // negative: penetration
-  Eigen::Vector3d impulse_ns = Eigen::Vector3d::Zero();     // on b during the last step, world frame
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();     // unit, world frame, from a towards b
+  double gap_m = 0.0;                                    // negative: penetration
+  Eigen::Vector3d impulse_ns = Eigen::Vector3d::Zero();  // on b during the last step, world frame
 };
 
 // What the engine says about its last step, for example the residual that its solver reached.
@@ -39,8 +39,8 @@ struct AuditFact {
 // What the live engine object holds for one body: compared with World::bodies before any score.
 struct BodyAudit {
   bool fixed = false;
-  double mass_kg = 0.0;                                         // 0 for fixed bodies
-  Eigen::Vector3d inertia_kgm2 = Eigen::Vector3d::Zero();       // principal, body axes; 0 if fixed
+  double mass_kg = 0.0;                                    // 0 for fixed bodies
+  Eigen::Vector3d inertia_kgm2 = Eigen::Vector3d::Zero();  // principal, body axes; 0 if fixed
   Shape shape = PlaneShape{};
   double linear_damping_hz = 0.0;
   double angular_damping_hz = 0.0;
@@ -49,15 +49,16 @@ struct BodyAudit {
 
 struct Audit {
   Eigen::Vector3d gravity_mps2 = Eigen::Vector3d::Zero();
-  std::vector<BodyAudit> bodies;     // (bodies), order of World::bodies
-  std::vector<AuditFact> settings;   // solver, iterations, margins, softness ...
+  std::vector<BodyAudit> bodies;    // (bodies), order of World::bodies
+  std::vector<AuditFact> settings;  // solver, iterations, margins, softness ...
 };
 
 // Optional view: the contacts that the engine used in the last step.
 class ContactView {
  public:
   virtual ~ContactView() = default;
-  // Appends nothing and clears nothing but `contacts`: afterwards it holds the last step's contacts.
+  // Appends nothing and clears nothing but `contacts`: afterwards it holds the last step's
+  // contacts.
   virtual void contacts(std::vector<Contact>& contacts) const = 0;
 };
 
@@ -70,7 +71,8 @@ class StateView {
   virtual Expected<void> set_state(std::span<const State> states) = 0;
 };
 
-// Optional view: facts read back from the engine's own objects, never from the World they came from.
+// Optional view: facts read back from the engine's own objects, never from the World they came
+// from.
 class AuditView {
  public:
   virtual ~AuditView() = default;

@@ -75,12 +75,13 @@ Expected<void> validate_inertia(const Body& body) {
 
 Expected<void> validate_initial(const Body& body) {
   if (!is_finite(body.initial)) {
-    return fail(Fault::invalid, fmt::format("body '{}': its initial state is not finite", body.name));
+    return fail(Fault::invalid,
+                fmt::format("body '{}': its initial state is not finite", body.name));
   }
   const double norm = body.initial.orientation.norm();
   if (std::abs(norm - 1.0) > k_unit_quaternion_tolerance) {
-    return fail(Fault::invalid,
-                fmt::format("body '{}': quaternion of length {} must have length 1", body.name, norm));
+    return fail(Fault::invalid, fmt::format("body '{}': quaternion of length {} must have length 1",
+                                            body.name, norm));
   }
   if (body.fixed && (!body.initial.velocity_mps.isZero(0.0) ||
                      !body.initial.angular_velocity_radps.isZero(0.0))) {
@@ -180,11 +181,19 @@ bool is_finite(const State& state) {
 std::uint64_t hash_states(std::span<const State> states, std::uint64_t seed) {
   std::uint64_t hash = seed;
   for (const State& s : states) {
-    const std::array<double, 13> values = {
-        s.position_m.x(),   s.position_m.y(),   s.position_m.z(),
-        s.orientation.w(),  s.orientation.x(),  s.orientation.y(), s.orientation.z(),
-        s.velocity_mps.x(), s.velocity_mps.y(), s.velocity_mps.z(),
-        s.angular_velocity_radps.x(), s.angular_velocity_radps.y(), s.angular_velocity_radps.z()};
+    const std::array<double, 13> values = {s.position_m.x(),
+                                           s.position_m.y(),
+                                           s.position_m.z(),
+                                           s.orientation.w(),
+                                           s.orientation.x(),
+                                           s.orientation.y(),
+                                           s.orientation.z(),
+                                           s.velocity_mps.x(),
+                                           s.velocity_mps.y(),
+                                           s.velocity_mps.z(),
+                                           s.angular_velocity_radps.x(),
+                                           s.angular_velocity_radps.y(),
+                                           s.angular_velocity_radps.z()};
     hash = XXH3_64bits_withSeed(values.data(), sizeof values, hash);
   }
   return hash;

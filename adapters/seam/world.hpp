@@ -50,11 +50,11 @@ struct ContactLaw {
 struct Body {
   std::string name;
   Shape shape = BoxShape{Eigen::Vector3d::Constant(0.5)};
-  bool fixed = false;                                    // never moves; mass and inertia are unused
-  double mass_kg = 1.0;                                  // > 0
+  bool fixed = false;    // never moves; mass and inertia are unused
+  double mass_kg = 1.0;  // > 0
   Eigen::Vector3d inertia_kgm2 = {1.0 / 6, 1.0 / 6, 1.0 / 6};  // principal, body axes, each > 0
-  int surface = 0;                                       // index for the pair laws below
-  State initial;                                         // a fixed body has zero velocities
+  int surface = 0;                                             // index for the pair laws below
+  State initial;                                               // a fixed body has zero velocities
 };
 
 // The law of contacts between two kinds of surface, where it differs from World::law.
@@ -67,7 +67,7 @@ struct PairLaw {
 struct World {
   Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
   std::vector<Body> bodies;
-  ContactLaw law;                  // of every pair of surfaces not listed in `exceptions`
+  ContactLaw law;                   // of every pair of surfaces not listed in `exceptions`
   std::vector<PairLaw> exceptions;  // unordered pairs, each at most once
 };
 
@@ -93,15 +93,16 @@ Body fixed_body(std::string name, Shape shape, State initial = {});
 // The fixed half space below z = height_m.
 Body ground_plane(double height_m = 0.0);
 
-// Refuses what no engine could simulate: sizes, masses or inertias that are not positive and finite,
-// inertias against the triangle inequality, unnormalised quaternions (1e-9), moving planes, fixed
-// bodies with velocity, restitution outside 0..1, negative friction, a pair of surfaces listed twice.
+// Refuses what no engine could simulate: sizes, masses or inertias that are not positive and
+// finite, inertias against the triangle inequality, unnormalised quaternions (1e-9), moving planes,
+// fixed bodies with velocity, restitution outside 0..1, negative friction, a pair of surfaces
+// listed twice.
 Expected<void> validate(const World& world);
 
 bool is_finite(const State& state);
 
-// Hash of the states (bodies), in order, over the bit patterns of their 13 doubles each: equal states
-// hash equally on every platform with IEEE doubles; -0.0 and 0.0 differ.
+// Hash of the states (bodies), in order, over the bit patterns of their 13 doubles each: equal
+// states hash equally on every platform with IEEE doubles; -0.0 and 0.0 differ.
 std::uint64_t hash_states(std::span<const State> states, std::uint64_t seed = 0);
 
 }  // namespace brickbench

@@ -10,77 +10,10 @@ namespace brickbench::exact {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double k_minimum_impedance = 1e-4;  // MuJoCo: mjMINIMP and mjMAXIMP
 constexpr double k_maximum_impedance = 0.9999;
-
-Matrix3d cross_matrix(const Vector3d& v) {
-  Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-Vector3d euler_rate(const Vector3d& inertia, const Vector3d& spin, const Vector3d& torque) {
-  return (torque - spin.cross(inertia.cwiseProduct(spin))).cwiseQuotient(inertia);
-}
-
-Quaterniond exponential(const Vector3d& angle_rad) {
-  const double angle = angle_rad.norm();
-  if (angle == 0.0) return Quaterniond::Identity();
-  const Vector3d v = angle_rad * (std::sin(0.5 * angle) / angle);
-  return {std::cos(0.5 * angle), v.x(), v.y(), v.z()};
-}
-
-// Classical Runge-Kutta for the spin; the attitude advances by the exponential of the weighted mean
-// of the stages' spins in body axes.
-void runge_kutta_rotation(const Vector3d& inertia, const Vector3d& torque_world, double h,
-                          State& state) {
-  const Quaterniond q0 = state.orientation;
-  const Vector3d w0 = q0.conjugate() * state.angular_velocity_radps;
-  std::array<Vector3d, 4> spin;
-  std::array<Vector3d, 4> rate;
-  const std::array<double, 4> share = {0.0, 0.5, 0.5, 1.0};
-  for (std::size_t i = 0; i < 4; ++i) {
-    spin[i] = i == 0 ? w0 : Vector3d(w0 + share[i] * h * rate[i - 1]);
-    const Quaterniond q = i == 0 ? q0 : (q0 * exponential(share[i] * h * spin[i - 1])).normalized();
-    rate[i] = euler_rate(inertia, spin[i], q.conjugate() * torque_world);
-  }
-  const Vector3d mean_spin = (spin[0] + 2.0 * spin[1] + 2.0 * spin[2] + spin[3]) / 6.0;
-  const Vector3d mean_rate = (rate[0] + 2.0 * rate[1] + 2.0 * rate[2] + rate[3]) / 6.0;
-  state.orientation = (q0 * exponential(h * mean_spin)).normalized();
-  state.angular_velocity_radps = state.orientation * Vector3d(w0 + h * mean_rate);
-}
-
-// The momentum in the world frame changes by the torque alone; the spin follows from it.
-void turn_with_momentum(const Scheme& scheme, const Vector3d& inertia, const Vector3d& torque_world,
-                        double h, State& state) {
-  const auto spin = [&](const Quaterniond& q, const Vector3d& momentum) -> Vector3d {
-    return q * (q.conjugate() * momentum).cwiseQuotient(inertia);
-  };
-  const Quaterniond q = state.orientation;
-  const Vector3d before = state.angular_velocity_radps;
-  const Vector3d momentum = q * inertia.cwiseProduct(q.conjugate() * before) + h * torque_world;
-  const bool old = scheme.position == PositionRule::old_velocity;
-  state.orientation = next_attitude(scheme.attitude, q, old ? before : spin(q, momentum), h);
-  state.angular_velocity_radps = spin(state.orientation, momentum);
-}
-
-void advance_position(PositionRule rule, const Vector3d& old_velocity, double h, State& state) {
-  switch (rule) {
-    case PositionRule::old_velocity:
-      state.position_m += h * old_velocity;
-      break;
-    case PositionRule::new_velocity:
-      state.position_m += h * state.velocity_mps;
-      break;
-    case PositionRule::mean_velocity:
-    case PositionRule::runge_kutta_4:
-      state.position_m += 0.5 * h * (old_velocity + state.velocity_mps);
-      break;
-  }
-}
 
 double impedance(const CompliantContact& c, double gap_m) {
   const double start = std::clamp(c.impedance_start, k_minimum_impedance, k_maximum_impedance);
@@ -237,7 +170,7 @@ void shift_split(const Scheme& scheme, const World& world, const Row& row,
     const Arm& arm = i == contact.body_a ? row.a : row.b;
     const Vector3d turn_rad = arm.inverse_inertia * arm.lever.cross(sign * share * contact.normal);
     states[i].orientation =
-        (exponential(scheme.impulse->split_turn_share * turn_rad) * states[i].orientation)
+        (rotation_of(scheme.impulse->split_turn_share * turn_rad) * states[i].orientation)
             .normalized();
   };
   move(contact.body_a, -1.0);
@@ -328,65 +261,6 @@ bool advance_compliant(const Scheme& scheme, const ExactRun& run, std::span<cons
 }
 
 }  // namespace
-
-Vector3d next_spin_radps(GyroscopicRule rule, const Vector3d& inertia_kgm2,
-                         const Vector3d& spin_radps, const Vector3d& torque_nm, double step_s) {
-  const double h = step_s;
-  const Vector3d& w = spin_radps;
-  const Vector3d momentum = inertia_kgm2.cwiseProduct(w);
-  const Vector3d pushed = h * torque_nm.cwiseQuotient(inertia_kgm2);
-  const Matrix3d inertia = inertia_kgm2.asDiagonal();
-  switch (rule) {
-    case GyroscopicRule::neglected:
-    case GyroscopicRule::spatial_momentum:  // of the attitude, not of the spin alone
-      return w + pushed;
-    case GyroscopicRule::explicit_body:
-    case GyroscopicRule::runge_kutta_4:
-      return w + h * euler_rate(inertia_kgm2, w, Vector3d::Zero()) + pushed;
-    case GyroscopicRule::newton_body: {
-      const Matrix3d jacobian = inertia + h * (cross_matrix(w) * inertia - cross_matrix(momentum));
-      return w - jacobian.partialPivLu().solve(h * w.cross(momentum)) + pushed;
-    }
-    case GyroscopicRule::frozen_momentum:
-      return (inertia - h * cross_matrix(momentum)).partialPivLu().solve(momentum) + pushed;
-  }
-  return w;
-}
-
-Quaterniond next_attitude(AttitudeRule rule, const Quaterniond& orientation,
-                          const Vector3d& angular_velocity_radps, double step_s) {
-  if (rule == AttitudeRule::exponential) {
-    return (exponential(step_s * angular_velocity_radps) * orientation).normalized();
-  }
-  const Vector3d half = 0.5 * step_s * angular_velocity_radps;
-  const Quaterniond turn = Quaterniond(0.0, half.x(), half.y(), half.z()) * orientation;
-  return Quaterniond(orientation.coeffs() + turn.coeffs()).normalized();
-}
-
-State next_free_state(const Scheme& scheme, const Body& body, const State& state,
-                      const Wrench& wrench, const Vector3d& gravity_mps2, double step_s) {
-  State next = state;
-  next.velocity_mps += step_s * (gravity_mps2 + wrench.force_n / body.mass_kg);
-  advance_position(scheme.position, state.velocity_mps, step_s, next);
-  if (scheme.gyroscopic == GyroscopicRule::runge_kutta_4) {
-    runge_kutta_rotation(body.inertia_kgm2, wrench.torque_nm, step_s, next);
-    return next;
-  }
-  if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
-    turn_with_momentum(scheme, body.inertia_kgm2, wrench.torque_nm, step_s, next);
-    return next;
-  }
-  const Quaterniond to_body = state.orientation.conjugate();
-  const Vector3d spin =
-      next_spin_radps(scheme.gyroscopic, body.inertia_kgm2, to_body * state.angular_velocity_radps,
-                      to_body * wrench.torque_nm, step_s);
-  next.angular_velocity_radps = state.orientation * spin;
-  const bool old = scheme.position == PositionRule::old_velocity;
-  next.orientation =
-      next_attitude(scheme.attitude, state.orientation,
-                    old ? state.angular_velocity_radps : next.angular_velocity_radps, step_s);
-  return next;
-}
 
 double target_velocity_mps(const ImpulseContact& contact, double restitution, double gap_m,
                            double velocity_mps, double step_s) {

@@ -21,9 +21,16 @@ Eigen::Vector3d next_spin_radps(GyroscopicRule rule, const Eigen::Vector3d& iner
                                 const Eigen::Vector3d& spin_radps, const Eigen::Vector3d& torque_nm,
                                 double step_s);
 
+// The turn by a rotation vector (rad).
+Eigen::Quaterniond rotation_of(const Eigen::Vector3d& angle_rad);
+
 // q+ of a body-to-world orientation under a world angular velocity held for h.
 Eigen::Quaterniond next_attitude(AttitudeRule rule, const Eigen::Quaterniond& orientation,
                                  const Eigen::Vector3d& angular_velocity_radps, double step_s);
+
+// Moves state.position_m by one step h (s), after state.velocity_mps has been brought up to date.
+void advance_position(PositionRule rule, const Eigen::Vector3d& old_velocity_mps, double step_s,
+                      State& state);
 
 // One step of a free body under the wrench and gravity.
 State next_free_state(const Scheme& scheme, const Body& body, const State& state,

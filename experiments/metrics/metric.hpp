@@ -17,8 +17,8 @@ namespace brickbench {
 struct Sample {
   std::size_t step = 0;  // 0: the initial state, before any step
   double time_s = 0.0;
-  std::span<const State> states;           // (bodies), order of World::bodies
-  std::span<const Wrench> wrenches;        // (bodies), held during the step that ended here
+  std::span<const State> states;                   // (bodies), order of World::bodies
+  std::span<const Wrench> wrenches;                // (bodies), held during the step that ended here
   const std::vector<Contact>* contacts = nullptr;  // nullptr: the engine does not tell
   std::span<const Diagnostic> diagnostics;         // empty: the engine does not tell
 };
@@ -63,8 +63,8 @@ class Metric {
 };
 
 struct MetricInfo {
-  std::string name;     // "energy", "momentum", "penetration" ...
-  std::string meaning;  // one or two sentences
+  std::string name;                 // "energy", "momentum", "penetration" ...
+  std::string meaning;              // one or two sentences
   std::vector<OutputInfo> outputs;  // of report()
   std::vector<OutputInfo> curves;   // of trace()
   std::unique_ptr<Metric> (*make)(const Scene& scene, double step_s) = nullptr;

@@ -58,8 +58,7 @@ Checked<fs::path> find_plan(const std::string& name) {
   if (fs::is_directory(name, error)) {
     return file_error(name, "is a folder, not a plan");
   }
-  return file_error(name,
-                    "no such plan file" + known_names(fs::path(name).stem().string(), known));
+  return file_error(name, "no such plan file" + known_names(fs::path(name).stem().string(), known));
 }
 
 std::vector<fs::path> all_plans() {

@@ -78,7 +78,7 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
     std::string content;
   };
   const std::string long_file(451, '\n');
-  const std::string long_adapter(151, '\n');
+  const std::string long_adapter(351, '\n');
   const Seed seeds[] = {
       {check_includes, "ourengine/bodies/body.cpp", "#include \"adapters/seam/world.hpp\"\n"},
       {check_includes, "adapters/seam/simulation.hpp", "#include \"adapters/catalog.hpp\"\n"},

@@ -38,8 +38,8 @@ class Worst {
   ::testing::AssertionResult within(const Tolerance& tolerance) const {
     if (empty_) return ::testing::AssertionFailure() << tolerance.name << ": nothing was compared";
     const double allowed = tolerance.value * tolerance_scale();
-    auto result = residual_ <= allowed ? ::testing::AssertionSuccess()
-                                       : ::testing::AssertionFailure();
+    auto result =
+        residual_ <= allowed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure();
     return result << tolerance.name << ": residual " << residual_ << " against " << allowed << " ("
                   << tolerance.derivation << "; last observed " << tolerance.observed << ") at "
                   << where_;

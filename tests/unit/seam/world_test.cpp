@@ -32,17 +32,26 @@ TEST(World, RefusesEachImpossibleFactWithItsName) {
   const Case cases[] = {
       {"mass", [](World& w) { w.bodies[1].mass_kg = -1.0; }},
       {"mass", [&](World& w) { w.bodies[1].mass_kg = nan; }},
-      {"half extent", [](World& w) { w.bodies[1].shape = BoxShape{{0.1, 0.0, 0.1}}; }},
+      {"half extent",
+       [](World& w) {
+         w.bodies[1].shape = BoxShape{{0.1, 0.0, 0.1}};
+       }},
       {"radius", [](World& w) { w.bodies[1].shape = SphereShape{-1.0}; }},
       {"plane", [](World& w) { w.bodies[1].shape = PlaneShape{}; }},
-      {"inertia", [](World& w) { w.bodies[1].inertia_kgm2 = {1.0, 1.0, 3.0}; }},
+      {"inertia",
+       [](World& w) {
+         w.bodies[1].inertia_kgm2 = {1.0, 1.0, 3.0};
+       }},
       {"quaternion", [](World& w) { w.bodies[1].initial.orientation.w() = 2.0; }},
       {"not finite", [&](World& w) { w.bodies[1].initial.position_m.x() = nan; }},
       {"velocity", [](World& w) { w.bodies[0].initial.velocity_mps.x() = 1.0; }},
       {"friction", [](World& w) { w.law.friction = -0.1; }},
       {"restitution", [](World& w) { w.law.restitution = 1.1; }},
       {"gravity", [&](World& w) { w.gravity_mps2.z() = nan; }},
-      {"twice", [](World& w) { w.exceptions = {{0, 1, {}}, {1, 0, {}}}; }},
+      {"twice",
+       [](World& w) {
+         w.exceptions = {{0, 1, {}}, {1, 0, {}}};
+       }},
   };
   for (const Case& test : cases) {
     World world = one_brick();
