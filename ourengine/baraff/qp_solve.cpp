@@ -11,17 +11,20 @@ namespace ourengine::baraff {
 namespace {
 
 constexpr double k_regular = 1e-9;    // of A_ii, added to the diagonal
-constexpr double k_pivot = 1e-12;     // of A_dd: below it a contact depends on C
-constexpr double k_change = 1e-6;     // of sqrt(A_ii A_dd); at least sqrt(k_pivot)
-constexpr double k_feasible = 1e-12;  // of max|b|
-constexpr double k_accepted = 1e-10;  // residual above which the regularised method is tried
+constexpr double k_pivot = 1e-11;     // of A_dd: below it a contact depends on C
+constexpr double k_change = 1e-7;     // of sqrt(A_ii A_dd): a smaller change does not block
+constexpr double k_feasible = 1e-11;  // of max|b|
+constexpr double k_harris = 0.1;      // of the feasibility tolerance, given way in the ratio test
+constexpr double k_accepted = 1e-9;   // residual above which the regularised method is tried
 constexpr double k_usable = 1e-6;     // residual above which the solve has failed
 constexpr double k_solved = 1e-11;    // residual at which the correction by refine() may stop
-constexpr int k_visits = 2;
+constexpr int k_visits = 4;
 constexpr int k_refinements = 4;
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-enum class Set : unsigned char { none, clamped, free };
+// `none` is not looked after yet; `dependent` is a free contact with a_i = 0 that C determines: it
+// cannot block until C loses a contact.
+enum class Set : unsigned char { none, clamped, free, dependent };
 
 class Dantzig {
  public:
@@ -29,7 +32,8 @@ class Dantzig {
       : a_matrix_(a_matrix),
         regular_(regular),
         b_(b),
-        diagonal_((1.0 + regular) * a_matrix.diagonal()),
+        unregular_(a_matrix.diagonal()),
+        diagonal_((1.0 + regular) * unregular_),
         factor_(b.size()),
         in_(static_cast<std::size_t>(b.size()), Set::none),
         place_(static_cast<std::size_t>(b.size()), -1),
@@ -41,9 +45,8 @@ class Dantzig {
 
   QpResult solve() {
     for (int visit = 0; visit < k_visits && !result_.failed; ++visit) {
-      for (Eigen::Index d = 0; d < b_.size() && !result_.failed; ++d) {
-        if (in_[at(d)] == Set::none) in_[at(d)] = Set::free;
-        if (result_.acceleration[d] < -tolerance_ && in_[at(d)] == Set::free) drive_to_zero(d);
+      for (Eigen::Index d = most_violated(); d >= 0 && !result_.failed; d = most_violated()) {
+        drive_to_zero(d);
       }
       refine();
       if (result_.residual <= k_accepted) break;
@@ -79,25 +82,75 @@ class Dantzig {
     return direction;
   }
 
+  // A df, of which d and the clamped contacts alone have entries.
+  Eigen::VectorXd changes(Eigen::Index d, const Eigen::VectorXd& df) const {
+    Eigen::VectorXd da = Eigen::VectorXd::Zero(b_.size());
+    const auto add = [&](Eigen::Index i) {
+      for (SparseMatrix::InnerIterator entry(a_matrix_, i); entry; ++entry) {
+        da[entry.col()] += entry.value() * df[i];
+      }
+      da[i] += (diagonal_[i] - unregular_[i]) * df[i];
+    };
+    add(d);
+    for (const Eigen::Index i : clamped_) add(i);
+    return da;
+  }
+
   struct Step {
     double length = k_infinite;
     Eigen::Index blocking = -1;
   };
 
-  // How far f may move until a_d is zero, a clamped force vanishes or a free contact closes.
-  Step maxstep(Eigen::Index d, const Eigen::VectorXd& df, const Eigen::VectorXd& da) const {
-    Step step;
-    if (pivot_ > k_pivot * diagonal_[d]) step = {-result_.acceleration[d] / pivot_, d};
-    for (const Eigen::Index i : clamped_) {
-      if (df[i] >= 0.0) continue;
-      const double length = result_.force[i] / -df[i];
-      if (length < step.length) step = {length, i};
-    }
-    const double change = regular_ > 0.0 ? 0.0 : k_change * std::sqrt(diagonal_[d]);
+  // The unclamped contact whose acceleration is most negative, or -1.
+  Eigen::Index most_violated() const {
+    Eigen::Index worst = -1;
+    double least = -tolerance_;
     for (Eigen::Index i = 0; i < b_.size(); ++i) {
-      if (in_[at(i)] != Set::free || !(da[i] < -change * std::sqrt(diagonal_[i]))) continue;
-      const double length = std::max(0.0, result_.acceleration[i]) / -da[i];
-      if (length < step.length) step = {length, i};
+      if (in_[at(i)] != Set::clamped && result_.acceleration[i] < least) {
+        least = result_.acceleration[i];
+        worst = i;
+      }
+    }
+    return worst;
+  }
+
+  bool blocks(Eigen::Index i, double change, const Eigen::VectorXd& da) const {
+    return in_[at(i)] == Set::free && da[i] < -change * std::sqrt(diagonal_[i]);
+  }
+
+  // How far f may move until a_d is zero, a clamped force vanishes or a free contact closes. Ties
+  // within a tenth of the tolerance go to the contact that changes fastest (Harris).
+  Step maxstep(Eigen::Index d, const Eigen::VectorXd& df, const Eigen::VectorXd& da) const {
+    const double change = k_change * std::sqrt(diagonal_[d]);
+    const double give = k_harris * tolerance_;
+    double longest =
+        pivot_ > k_pivot * diagonal_[d] ? -result_.acceleration[d] / pivot_ : k_infinite;
+    Step step{longest, longest < k_infinite ? d : -1};
+    for (const Eigen::Index i : clamped_) {
+      if (df[i] < 0.0)
+        longest = std::min(longest, (result_.force[i] + give / diagonal_[i]) / -df[i]);
+    }
+    for (Eigen::Index i = 0; i < b_.size(); ++i) {
+      if (blocks(i, change, da)) {
+        longest = std::min(longest, (std::max(0.0, result_.acceleration[i]) + give) / -da[i]);
+      }
+    }
+    if (step.length <= longest) return step;
+    double fastest = 0.0;
+    const auto choose = [&](Eigen::Index i, double length, double rate) {
+      if (length > longest || rate <= fastest) return;
+      fastest = rate;
+      step = {std::max(0.0, length), i};
+    };
+    for (const Eigen::Index i : clamped_) {
+      if (df[i] < 0.0)
+        choose(i, result_.force[i] / -df[i], -df[i] * std::sqrt(diagonal_[i] / diagonal_[d]));
+    }
+    for (Eigen::Index i = 0; i < b_.size(); ++i) {
+      if (blocks(i, change, da)) {
+        choose(i, result_.acceleration[i] / -da[i],
+               -da[i] / std::sqrt(diagonal_[i] * diagonal_[d]));
+      }
     }
     return step;
   }
@@ -120,6 +173,7 @@ class Dantzig {
     clamped_.erase(clamped_.begin() + place);
     for (std::size_t k = at(place); k < clamped_.size(); ++k) --place_[at(clamped_[k])];
     place_[at(i)] = -1;
+    for (Set& set : in_) set = set == Set::dependent ? Set::free : set;
     in_[at(i)] = Set::free;
     result_.force[i] = 0.0;
     result_.acceleration[i] = 0.0;
@@ -130,20 +184,23 @@ class Dantzig {
     in_[at(d)] = Set::none;
     while (result_.acceleration[d] < -tolerance_) {
       const Eigen::VectorXd df = fdirection(d);
-      const Eigen::VectorXd da = a_matrix_ * df + regular_ * a_matrix_.diagonal().cwiseProduct(df);
+      const Eigen::VectorXd da = changes(d, df);
       const auto [length, blocking] = maxstep(d, df, da);
       result_.failed = ++result_.pivots > cap_ || !(length < k_infinite);
       if (result_.failed) return;
       if (length <= 0.0) ++result_.zero_steps;
       result_.force += length * df;
       result_.acceleration += length * da;
-      for (const Eigen::Index i : clamped_) result_.acceleration[i] = 0.0;
+      for (const Eigen::Index i : clamped_) {
+        result_.acceleration[i] = 0.0;
+        result_.force[i] = std::max(0.0, result_.force[i]);
+      }
       if (blocking == d) break;
       if (in_[at(blocking)] == Set::clamped) {
         release(blocking);
       } else {
         result_.acceleration[blocking] = 0.0;
-        static_cast<void>(clamp(blocking));
+        if (!clamp(blocking)) in_[at(blocking)] = Set::dependent;
       }
     }
     result_.acceleration[d] = 0.0;
@@ -197,7 +254,7 @@ class Dantzig {
   const SparseMatrix& a_matrix_;
   double regular_;  // 0, or the share of the diagonal that is added to it
   const Eigen::VectorXd& b_;
-  Eigen::VectorXd diagonal_;
+  Eigen::VectorXd unregular_, diagonal_;
   ClampedFactor factor_;
   std::vector<Eigen::Index> clamped_;  // order of the factor's rows
   std::vector<Set> in_;

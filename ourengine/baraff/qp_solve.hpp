@@ -6,14 +6,18 @@
 // those with f = 0, a >= 0.
 // Departures:
 //  * A_CC is kept as a Cholesky factor that grows by a row and shrinks by Givens rotations.
-//  * A of a wall is singular. A contact whose Schur pivot is below 1e-12 A_dd depends on C and
+//  * The contact driven next is the one with the most negative acceleration; Baraff leaves it open.
+//  * A of a wall is singular. A contact whose Schur pivot is below 1e-11 A_dd depends on C and
 //  never
-//    enters it: C changes by the contacts that leave. The ratio test ignores accelerations that
-//    change by less than 1e-6 sqrt(A_ii A_dd), the most that a refused contact can show.
-//  * Where this ends above a residual of 1e-10 (ties can make it cycle), the same method runs on
-//    A + 1e-9 diag(A), which is regular; `retried` says so. The clamped forces are then corrected
-//    for A itself, and the better of both results is returned; residuals are always those of A.
-//  * An acceleration above -1e-12 max|b| counts as not negative.
+//    enters it: C changes by the contacts that leave, and until one does a contact that was refused
+//    cannot stop a step. A change of an acceleration below 1e-7 sqrt(A_ii A_dd) stops none either.
+//  * Ties in maxstep: among all contacts that would stop a step within 1e-12 max|b| of each other,
+//    the one that changes fastest does (P. M. J. Harris, Pivot selection methods of the Devex LP
+//    code, Math. Programming 5 (1973)). With the point above this ends the cycling.
+//  * An acceleration above -1e-11 max|b| counts as not negative.
+//  * Where this ends above a residual of 1e-9 the same method runs on A + 1e-9 diag(A), which is
+//    regular; `retried` says so. The clamped forces are then corrected for A itself, and the better
+//    of both results is returned; residuals are always those of A.
 //  * At most 4 n + 100 pivots per try. A residual above 1e-6 is a failure and reported as such.
 #pragma once
 
