@@ -10,8 +10,8 @@
 
 namespace brickbench {
 
-// The replays of all recorded cells, in the order of the rows; empty where nothing was recorded.
-// Fault::invalid names the file that is damaged.
+// The replays of all recorded cells, in the order of the rows. Always empty: experiments/record has
+// no format of trajectories yet, and a results folder holds none.
 Expected<std::vector<Replay>> read_replays(const std::filesystem::path& folder,
                                            std::span<const Row> rows);
 
