@@ -17,7 +17,7 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
       {"adapters", {"adapters"}},
       {"adapters/seam", {"adapters/seam"}},
       {"experiments", {"experiments", "adapters/seam"}},
-      {"reports", {"reports", "experiments/record"}}};
+      {"reports", {"reports", "experiments/record", "adapters/seam"}}};
   return table;
 }
 
