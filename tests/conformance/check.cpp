@@ -53,7 +53,11 @@ namespace {
 std::unique_ptr<Simulation> must_build(const Subject& subject, const World& world, double step_s,
                                        bool may_refuse) {
   auto built = subject.build(world, step_s);
-  if (!built) stop_on(built.error(), may_refuse, "building");
+  // Boxes are what every engine has; balls may be refused.
+  const bool balls = std::ranges::any_of(world.bodies, [](const Body& body) {
+    return std::holds_alternative<SphereShape>(body.shape);
+  });
+  if (!built) stop_on(built.error(), may_refuse || balls, "building");
   return std::move(*built);
 }
 

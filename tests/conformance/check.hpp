@@ -57,7 +57,7 @@ struct Stop {
 Verdict guarded(const std::function<Verdict()>& body);
 
 // Builds. A refusal stops the check: as `refused` if `may_refuse` and it is Fault::unsupported with
-// a reason, else as failed.
+// a reason, else as failed. A world with balls may always be refused.
 std::unique_ptr<Simulation> must_build(const Subject& subject, const World& world, double step_s,
                                        bool may_refuse);
 

@@ -224,7 +224,10 @@ Verdict gap_check(const Subject& subject) {
         const auto simulation = must_build(subject, world, k_step_s, true);
         const ContactView* view = simulation->contact_view();
         if (view == nullptr) return Verdict{Outcome::no_view, "no contact view"};
-        step_and_read(*simulation, world, true);
+        const States after = step_and_read(*simulation, world, true);
+        // An engine that moves overlapping bodies apart at once tells the gap that is left.
+        const double lifted_m = after[0].position_m.z() - world.bodies[0].initial.position_m.z();
+        if (gap_m < 0.0 && lifted_m > 0.99 * depth_m) continue;
         std::vector<Contact> contacts;
         view->contacts(contacts);
         double deepest_m = 0.0;

@@ -15,9 +15,9 @@ State at(double x, double y, double z) {
   return state;
 }
 
-// A ball hits the upper of two stacked bricks; `friction` as given. Without floor and gravity where
-// `flying`: for engines without contact.
-World busy_world(double friction, bool flying) {
+// A ball, or a small box, hits the upper of two stacked bricks; `friction` as given. Without floor
+// and gravity where `flying`: for engines without contact.
+World busy_world(double friction, bool flying, bool ball) {
   World world;
   world.law.friction = friction;
   const BoxShape half_brick{{0.1, 0.05, 0.05}};
@@ -26,7 +26,8 @@ World busy_world(double friction, bool flying) {
   if (!flying) world.bodies.push_back(fixed_body("floor", BoxShape{{5, 5, 1}}, at(0, 0, -1)));
   world.bodies.push_back(solid_body("lower", half_brick, 2000.0, at(0, 0, spread * 0.05)));
   world.bodies.push_back(solid_body("upper", half_brick, 2000.0, at(0.02, 0, spread * 0.15)));
-  world.bodies.push_back(solid_body("ball", SphereShape{0.05}, 4000.0, at(-0.3 * spread, 0, 0.17)));
+  const Shape thrown = ball ? Shape{SphereShape{0.05}} : Shape{BoxShape{{0.05, 0.04, 0.03}}};
+  world.bodies.push_back(solid_body("thrown", thrown, 4000.0, at(-0.3 * spread, 0, 0.17)));
   world.bodies.back().initial.velocity_mps = {5.0, 0.1, 0.0};
   world.bodies.back().initial.angular_velocity_radps = {1.0, 2.0, 3.0};
   return world;
@@ -34,11 +35,14 @@ World busy_world(double friction, bool flying) {
 
 // The busiest of these worlds that the engine can step.
 World possible_world(const Subject& subject) {
-  for (const World& world : {busy_world(0.5, false), busy_world(0.0, false)}) {
-    const auto simulation = subject.build(world, k_step_s);
-    if (simulation && (*simulation)->step()) return world;
+  for (const bool ball : {true, false}) {
+    for (const double friction : {0.5, 0.0}) {
+      World world = busy_world(friction, false, ball);
+      const auto simulation = subject.build(world, k_step_s);
+      if (simulation && (*simulation)->step()) return world;
+    }
   }
-  return busy_world(0.0, true);
+  return busy_world(0.0, true, false);
 }
 
 std::vector<std::uint64_t> hashes(const Subject& subject, const World& world) {
