@@ -87,6 +87,9 @@ class BaraffSimulation final : public Simulation,
                     {"bisections", "1", double(report.bisections)},
                     {"colliding_iterations", "1", double(report.colliding_iterations)},
                     {"collisions_unfinished", "1", report.collisions_unfinished ? 1.0 : 0.0},
+                    {"overlap_energy_j", "J", report.overlap_energy_j},
+                    {"collision_energy_j", "J", report.collision_energy_j},
+                    {"euler_energy_j", "J", report.euler_energy_j},
                     {"failed", "1", report.failed ? 1.0 : 0.0}};
     for (const engine::RigidBody& body : simulator_.bodies()) {
       if (!body.position_m.allFinite() || !body.orientation.coeffs().allFinite() ||

@@ -22,9 +22,8 @@ constexpr int k_visits = 4;
 constexpr int k_refinements = 4;
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-// `none` is not looked after yet; `dependent` is a free contact with a_i = 0 that C determines: it
-// cannot block until C loses a contact.
-enum class Set : unsigned char { none, clamped, free, dependent };
+// `none`: not looked after yet.
+enum class Set : unsigned char { none, clamped, free };
 
 class Dantzig {
  public:
@@ -173,7 +172,6 @@ class Dantzig {
     clamped_.erase(clamped_.begin() + place);
     for (std::size_t k = at(place); k < clamped_.size(); ++k) --place_[at(clamped_[k])];
     place_[at(i)] = -1;
-    for (Set& set : in_) set = set == Set::dependent ? Set::free : set;
     in_[at(i)] = Set::free;
     result_.force[i] = 0.0;
     result_.acceleration[i] = 0.0;
@@ -200,7 +198,7 @@ class Dantzig {
         release(blocking);
       } else {
         result_.acceleration[blocking] = 0.0;
-        if (!clamp(blocking)) in_[at(blocking)] = Set::dependent;
+        static_cast<void>(clamp(blocking));
       }
     }
     result_.acceleration[d] = 0.0;

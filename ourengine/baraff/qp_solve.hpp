@@ -9,11 +9,11 @@
 //  * The contact driven next is the one with the most negative acceleration; Baraff leaves it open.
 //  * A of a wall is singular. A contact whose Schur pivot is below 1e-11 A_dd depends on C and
 //  never
-//    enters it: C changes by the contacts that leave, and until one does a contact that was refused
-//    cannot stop a step. A change of an acceleration below 1e-7 sqrt(A_ii A_dd) stops none either.
+//    enters it: C changes by the contacts that leave. A change of an acceleration below
+//    1e-7 sqrt(A_ii A_dd) stops no step.
 //  * Ties in maxstep: among all contacts that would stop a step within 1e-12 max|b| of each other,
 //    the one that changes fastest does (P. M. J. Harris, Pivot selection methods of the Devex LP
-//    code, Math. Programming 5 (1973)). With the point above this ends the cycling.
+//    code, Math. Programming 5 (1973)). This keeps a 10x10 wall from cycling.
 //  * An acceleration above -1e-11 max|b| counts as not negative.
 //  * Where this ends above a residual of 1e-9 the same method runs on A + 1e-9 diag(A), which is
 //    regular; `retried` says so. The clamped forces are then corrected for A itself, and the better

@@ -44,14 +44,20 @@ const StepReport& Simulator::step() {
   while (left_s > 0.0) {
     accumulate_forces();
     find_collisions(bodies_, options_.contact_tolerance_m, collisions_);
+    const double start_j = energy();
     separate_overlaps();
+    const double separated_j = energy();
     const int sweeps =
         colliding_contact(bodies_, collisions_, restitution_, options_.collision_velocity_mps,
                           options_.max_collision_sweeps);
     report_.colliding_iterations += sweeps;
     report_.collisions_unfinished |= sweeps > options_.max_collision_sweeps;
+    const double collided_j = energy();
     resting_contact(left_s);
     left_s -= move(left_s);
+    report_.overlap_energy_j += separated_j - start_j;
+    report_.collision_energy_j += collided_j - separated_j;
+    report_.euler_energy_j += energy() - collided_j;
   }
   std::ranges::fill(loads_, Load{});
   return report_;
@@ -143,6 +149,17 @@ void Simulator::resting_contact(double step_s) {
 
 void Simulator::integrate(double step_s) {
   for (RigidBody& body : bodies_) forward_euler(body, step_s);
+}
+
+double Simulator::energy() const {
+  double sum_j = 0.0;
+  for (const RigidBody& body : bodies_) {
+    if (body.is_fixed()) continue;
+    sum_j += 0.5 * body.linear_momentum_ns.dot(body.velocity_mps) +
+             0.5 * body.angular_momentum_nms.dot(body.angular_velocity_radps) -
+             body.mass_kg * options_.gravity_mps2.dot(body.position_m);
+  }
+  return sum_j;
 }
 
 double Simulator::deepest_gap() {

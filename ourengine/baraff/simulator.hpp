@@ -55,6 +55,10 @@ struct StepReport {
   int bisections = 0;
   int overlaps_left = 0;  // overlap solves that failed: nothing was moved apart
   bool failed = false;    // a resting solve failed; its forces were not applied
+  // Change of kinetic plus potential energy (J, gravity alone) in the three parts of the step.
+  double overlap_energy_j = 0.0;    // moving overlaps apart, momenta held
+  double collision_energy_j = 0.0;  // impulses; not above 0 for restitutions up to 1
+  double euler_energy_j = 0.0;      // forward Euler with the resting forces and loads
 };
 
 class Simulator {
@@ -81,6 +85,7 @@ class Simulator {
   double move(double step_s);
   void integrate(double step_s);
   double deepest_gap();
+  double energy() const;
 
   std::vector<RigidBody> bodies_;
   RestitutionTable restitution_;

@@ -18,7 +18,7 @@ using brickbench::testing::Worst;
 constexpr Tolerance k_rounding{"rounding", 2e-14, 2e-15, "a few hundred operations of order one"};
 constexpr Tolerance k_second_difference{"second_difference", 1e-6, 1e-7,
                                         "h^2 w^4 / 12 with h = 1e-4 s plus rounding 1e-16 / h^2"};
-constexpr Tolerance k_residual{"complementarity", 1e-11, 6.3e-13,
+constexpr Tolerance k_residual{"complementarity", 1e-11, 4.5e-12,
                                "random problems of up to 31 contacts"};
 
 class Random {
