@@ -16,8 +16,10 @@ configure() {
   cmake --preset "$@"
 }
 
-# build PRESET [TARGET]
+# build PRESET [TARGET...]
 build() {
-  step "build $1${2:+: $2}"
-  cmake --build --preset "$1" -j "$jobs" ${2:+--target "$2"}
+  local preset=$1
+  shift
+  step "build $preset${*:+: $*}"
+  cmake --build --preset "$preset" -j "$jobs" ${*:+--target "$@"}
 }
