@@ -17,7 +17,7 @@ struct Violation {
   std::size_t steps = 0;      // in which the law was broken beyond the allowance
   std::size_t looked_at = 0;  // steps
   double worst_time_s = 0.0;  // end of the worst step
-  std::string body_a;         // of the worst step
+  std::string body_a = {};    // of the worst step
   std::string body_b = {};
   double allowance = 0.0;  // per step; see the functions
 };
