@@ -2,7 +2,7 @@
 //
 // Choices (docs/engines/ourengine.md):
 //  * baraff: the paper's system with overlap handling; paper: its plain choices. Both frictionless:
-//    a world in which a pair may rub is refused, unless ignore_friction is 1. No spheres.
+//    a world in which a pair may rub is refused, unless ignore_friction is 1.
 //  * exact: Coulomb's law with restitution at velocity level, solved to a residual every step.
 //  * lcp: the frictionless law at velocity level, with a choice of solvers.
 //  * fast: soft contacts in small sub-steps, velocities in single precision.

@@ -35,6 +35,8 @@ engine::RigidBody to_engine(const Body& fact) {
   engine::Solid solid = engine::Plane{};
   if (const auto* box = std::get_if<BoxShape>(&fact.shape))
     solid = engine::Box{box->half_extents_m};
+  if (const auto* sphere = std::get_if<SphereShape>(&fact.shape))
+    solid = engine::Sphere{sphere->radius_m};
   return fact.fixed ? engine::make_fixed_body(solid)
                     : engine::make_body(solid, fact.mass_kg, fact.inertia_kgm2);
 }
@@ -169,6 +171,8 @@ Audit BaraffSimulation::audit() const {
   for (const engine::RigidBody& body : simulator_.bodies()) {
     Shape shape = PlaneShape{};
     if (const auto* box = std::get_if<engine::Box>(&body.solid)) shape = BoxShape{box->half_m};
+    if (const auto* ball = std::get_if<engine::Sphere>(&body.solid))
+      shape = SphereShape{ball->radius_m};
     audit.bodies.push_back({.fixed = body.is_fixed(),
                             .mass_kg = body.mass_kg,
                             .inertia_kgm2 = body.inertia_body.diagonal(),
@@ -187,22 +191,12 @@ Audit BaraffSimulation::audit() const {
   return audit;
 }
 
-// Fault::unsupported where the world has what this system cannot express.
-Expected<void> check(const World& world, const Settings& settings) {
-  for (const Body& body : world.bodies) {
-    if (!std::holds_alternative<SphereShape>(body.shape)) continue;
-    return fail(
-        Fault::unsupported,
-        fmt::format("body '{}' is a sphere; this variant has boxes and fixed planes", body.name));
-  }
-  return refuse_friction(world, settings);
-}
-
 }  // namespace
 
 Expected<std::unique_ptr<Simulation>> build_ourengine_baraff(const World& world,
                                                              const Settings& settings) {
-  if (auto checked = check(world, settings); !checked) return tl::make_unexpected(checked.error());
+  if (auto refused = refuse_friction(world, settings); !refused)
+    return tl::make_unexpected(refused.error());
   std::vector<engine::RigidBody> bodies;
   for (const Body& fact : world.bodies) {
     bodies.push_back(to_engine(fact));

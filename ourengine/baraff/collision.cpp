@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ourengine/baraff/ball_contact.hpp"
 #include "ourengine/baraff/face_contact.hpp"
 
 namespace ourengine::baraff {
@@ -66,7 +67,7 @@ void add_box_plane(std::span<const RigidBody> bodies, std::size_t box, std::size
   }
 }
 
-bool spheres_apart(const RigidBody& a, const RigidBody& b, double tolerance_m) {
+bool out_of_reach(const RigidBody& a, const RigidBody& b, double tolerance_m) {
   const double range = half(a).norm() + half(b).norm() + tolerance_m;
   return (a.position_m - b.position_m).squaredNorm() > range * range;
 }
@@ -111,9 +112,15 @@ void add_collision(std::span<const RigidBody> bodies, std::size_t i, std::size_t
   const bool plane_i = std::holds_alternative<Plane>(bodies[i].solid);
   const bool plane_j = std::holds_alternative<Plane>(bodies[j].solid);
   if (plane_i && plane_j) return;
+  if (std::holds_alternative<Sphere>(bodies[i].solid)) {
+    return add_ball_contact(bodies, i, j, tolerance_m, collisions);
+  }
+  if (std::holds_alternative<Sphere>(bodies[j].solid)) {
+    return add_ball_contact(bodies, j, i, tolerance_m, collisions);
+  }
   if (plane_i) return add_box_plane(bodies, j, i, tolerance_m, collisions);
   if (plane_j) return add_box_plane(bodies, i, j, tolerance_m, collisions);
-  if (spheres_apart(bodies[i], bodies[j], tolerance_m)) return;
+  if (out_of_reach(bodies[i], bodies[j], tolerance_m)) return;
   const Axis axis = separating_axis(bodies[i], bodies[j]);
   if (axis.gap_m > tolerance_m) return;
   if (axis.index < 3) {

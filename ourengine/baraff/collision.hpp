@@ -11,6 +11,7 @@
 //  * Two faces touch in the corners of their overlap polygon: corners of one face over the other
 //    are vertex-face contacts of that corner, crossings of two sides are edge-edge contacts.
 //    Corners within 1e-6 of the thinnest brick of each other are one.
+//  * Spheres, see ball_contact.hpp.
 #pragma once
 
 #include <cstddef>
@@ -21,14 +22,18 @@
 
 namespace ourengine::baraff {
 
+// The feature of obj2 that a sphere, obj1, touches; see ball_contact.hpp.
+enum class BallOn { none, face, edge, corner, centre };
+
 struct Collision {
-  std::size_t obj1 = 0;                             // the body with the vertex
+  std::size_t obj1 = 0;                             // the body with the vertex, or the sphere
   std::size_t obj2 = 0;                             // the body with the face
   Eigen::Vector3d location;                         // world, m
   Eigen::Vector3d normal;                           // unit, from obj2 towards obj1
   Eigen::Vector3d edge1 = Eigen::Vector3d::Zero();  // unit edge directions, edge-edge alone
-  Eigen::Vector3d edge2 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d edge2 = Eigen::Vector3d::Zero();  // also the edge that a sphere touches
   bool vertex_face = true;
+  BallOn ball = BallOn::none;
   double gap_m = 0.0;       // negative: penetration
   double impulse_ns = 0.0;  // along the normal on obj1, filled in by the response
 };
@@ -49,7 +54,7 @@ bool intersects_when_projected(const RigidBody& a, const RigidBody& b, const Eig
 // Tests all axes (edge pairs with |a x b|^2 < 1e-6 are parallel and have none).
 Axis separating_axis(const RigidBody& a, const RigidBody& b);
 
-// Appends the contacts of bodies i and j with a gap of at most tolerance_m. Boxes and planes.
+// Appends the contacts of bodies i and j with a gap of at most tolerance_m.
 void add_collision(std::span<const RigidBody> bodies, std::size_t i, std::size_t j,
                    double tolerance_m, std::vector<Collision>& collisions);
 

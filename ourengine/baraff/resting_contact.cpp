@@ -24,6 +24,35 @@ Eigen::Vector3d response(std::span<const RigidBody> bodies, std::size_t of,
   return body.mass_inv * force + (body.inertia_inv * torque).cross(point_m - body.position_m);
 }
 
+// The points of both bodies whose distance along the normal is the gap, up to a constant: the same
+// point for bricks. For a sphere its centre, and the point of the other body that the normal leads
+// away from; a face leads its normal along, so any point of it will do: the one at the centre.
+struct Points {
+  Eigen::Vector3d on_obj1;
+  Eigen::Vector3d on_obj2;
+};
+Points points_of(std::span<const RigidBody> bodies, const Collision& contact) {
+  if (contact.ball == BallOn::none) return {contact.location, contact.location};
+  const Eigen::Vector3d& centre = bodies[contact.obj1].position_m;
+  if (contact.ball == BallOn::face) return {centre, centre};
+  if (contact.ball == BallOn::centre) return {centre, bodies[contact.obj2].position_m};
+  return {centre, contact.location};
+}
+
+// n = y / |y|, y from obj2's point to the centre, less its part along the edge where there is one.
+Eigen::Vector3d ball_ndot(std::span<const RigidBody> bodies, const Collision& contact) {
+  const auto [centre, anchor] = points_of(bodies, contact);
+  const Eigen::Vector3d y = centre - anchor;
+  Eigen::Vector3d rate = velocity_of_point_on_body(bodies[contact.obj1], centre) -
+                         velocity_of_point_on_body(bodies[contact.obj2], anchor);
+  if (contact.ball == BallOn::edge) {
+    const Eigen::Vector3d& edge = contact.edge2;
+    const Eigen::Vector3d edge_rate = bodies[contact.obj2].angular_velocity_radps.cross(edge);
+    rate -= edge * (edge.dot(rate) + edge_rate.dot(y));
+  }
+  return (rate - contact.normal * contact.normal.dot(rate)) / y.norm();
+}
+
 }  // namespace
 
 double relative_normal_velocity(std::span<const RigidBody> bodies, const Collision& contact) {
@@ -34,6 +63,9 @@ double relative_normal_velocity(std::span<const RigidBody> bodies, const Collisi
 Eigen::Vector3d compute_ndot(std::span<const RigidBody> bodies, const Collision& contact) {
   const Eigen::Vector3d& w1 = bodies[contact.obj1].angular_velocity_radps;
   const Eigen::Vector3d& w2 = bodies[contact.obj2].angular_velocity_radps;
+  if (contact.ball != BallOn::none && contact.ball != BallOn::face) {
+    return ball_ndot(bodies, contact);
+  }
   if (contact.vertex_face) return w2.cross(contact.normal);
   const Eigen::Vector3d n = contact.edge1.cross(contact.edge2);
   const double length = n.norm();
@@ -84,11 +116,14 @@ Eigen::VectorXd compute_b_vector(std::span<const RigidBody> bodies,
     const Collision& contact = contacts[i];
     const RigidBody& one = bodies[contact.obj1];
     const RigidBody& two = bodies[contact.obj2];
-    const Eigen::Vector3d slip = velocity_of_point_on_body(one, contact.location) -
-                                 velocity_of_point_on_body(two, contact.location);
-    b[static_cast<Eigen::Index>(i)] = contact.normal.dot(free_acceleration(one, contact.location) -
-                                                         free_acceleration(two, contact.location)) +
-                                      2.0 * compute_ndot(bodies, contact).dot(slip);
+    const auto [point1, point2] = points_of(bodies, contact);
+    const Eigen::Vector3d slip =
+        velocity_of_point_on_body(one, point1) - velocity_of_point_on_body(two, point2);
+    const Eigen::Vector3d ndot = compute_ndot(bodies, contact);
+    // Of (n . (p1 - p2))''; the last term is n'' . (p1 - p2), as n . n'' = -n' . n'.
+    b[static_cast<Eigen::Index>(i)] =
+        contact.normal.dot(free_acceleration(one, point1) - free_acceleration(two, point2)) +
+        2.0 * ndot.dot(slip) - ndot.squaredNorm() * (point1 - point2).norm();
   }
   return b;
 }

@@ -18,7 +18,8 @@ namespace ourengine::baraff {
 // Relative normal velocity (m/s), negative where the bodies approach.
 double relative_normal_velocity(std::span<const RigidBody> bodies, const Collision& contact);
 
-// Rate of change (1/s) of the normal as obj2's face turns, or as both edges turn.
+// Rate of change (1/s) of the normal as obj2's face turns, as both edges turn, or as a sphere moves
+// over an edge, a corner or another sphere.
 Eigen::Vector3d compute_ndot(std::span<const RigidBody> bodies, const Collision& contact);
 
 // Relative normal acceleration (m/s2) at contact i per newton at contact j.

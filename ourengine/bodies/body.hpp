@@ -17,9 +17,12 @@ namespace ourengine::baraff {
 struct Box {
   Eigen::Vector3d half_m;
 };
+struct Sphere {
+  double radius_m;
+};
 // The half space z <= 0 of the body frame; only for fixed bodies.
 struct Plane {};
-using Solid = std::variant<Box, Plane>;
+using Solid = std::variant<Box, Sphere, Plane>;
 
 struct RigidBody {
   // Constants. A fixed body has inverse mass and inverse inertia 0.

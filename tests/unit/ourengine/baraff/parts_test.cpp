@@ -1,43 +1,25 @@
 // The parts of the paper's system: body, forward Euler, axes, impulse, A, b and the pivoting.
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "ourengine/baraff/colliding_contact.hpp"
 #include "ourengine/baraff/qp_solve.hpp"
 #include "ourengine/baraff/resting_contact.hpp"
 #include "ourengine/integration/forward_euler.hpp"
 #include "tests/support/tolerance.hpp"
+#include "tests/unit/ourengine/baraff/motion.hpp"
 
 namespace ourengine::baraff {
 namespace {
 
 using brickbench::testing::Tolerance;
 using brickbench::testing::Worst;
+using testing::k_second_difference;
+using testing::moved;
+using testing::Random;
 
 constexpr Tolerance k_rounding{"rounding", 2e-14, 2e-15, "a few hundred operations of order one"};
-constexpr Tolerance k_second_difference{"second_difference", 1e-6, 1e-7,
-                                        "h^2 w^4 / 12 with h = 1e-4 s plus rounding 1e-16 / h^2"};
 constexpr Tolerance k_residual{"complementarity", 1e-11, 4.5e-12,
                                "random problems of up to 31 contacts"};
-
-class Random {
- public:
-  double number() { return normal_(engine_); }
-  Eigen::Vector3d vector() { return {number(), number(), number()}; }
-  RigidBody body(const Eigen::Vector3d& position_m) {
-    RigidBody made =
-        make_body(Box{{0.1, 0.05, 0.05}}, 2.0 + std::abs(number()), {0.03, 0.04, 0.05});
-    made.position_m = position_m;
-    made.orientation = Eigen::Quaterniond(number(), number(), number(), number()).normalized();
-    set_velocity(made, vector(), vector());
-    return made;
-  }
-
- private:
-  std::mt19937_64 engine_{7};
-  std::normal_distribution<double> normal_;
-};
 
 TEST(Body, DerivedQuantitiesFollowFromMomenta) {
   Random random;
@@ -173,27 +155,8 @@ TEST(RestingContact, BIsTheSecondDerivativeOfTheGap) {
       body.torque_nm = 0.1 * random.vector();
     }
     const double h = 1e-4;
-    // Fine steps of a midpoint rule follow the true motion over h.
     const auto gap_at = [&](double time_s) {
-      std::vector<RigidBody> bodies = start;
-      const int parts = 40;
-      const double dt = time_s / parts;
-      for (RigidBody& body : bodies) {
-        for (int k = 0; k < parts; ++k) {
-          RigidBody middle = body;
-          forward_euler(middle, 0.5 * dt);
-          const Eigen::Vector3d w = middle.angular_velocity_radps;
-          body.position_m += dt * middle.velocity_mps;
-          if (w.norm() > 0.0) {
-            const double angle = w.norm() * dt;
-            body.orientation =
-                Eigen::Quaterniond(Eigen::AngleAxisd(angle, w.normalized())) * body.orientation;
-          }
-          body.linear_momentum_ns += dt * body.force_n;
-          body.angular_momentum_nms += dt * body.torque_nm;
-          compute_derived(body);
-        }
-      }
+      const std::vector<RigidBody> bodies = moved(start, time_s);
       const auto carried = [&](std::size_t k, const Eigen::Vector3d& v) -> Eigen::Vector3d {
         return bodies[k].rotation * (start[k].rotation.transpose() * v);
       };
