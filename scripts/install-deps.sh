@@ -42,6 +42,7 @@ engines|libgl-dev|OpenGL, looked for by MuJoCo's CMake package|GL/gl.h
 tests|libgtest-dev|GoogleTest|gtest/gtest.h
 tests|libfcl-dev|FCL: a second opinion on penetration depths|fcl/fcl.h
 tests|clang-format|the format test|clang-format
+tests|ccache|compiles nothing twice, also in the copies that the recipes build|ccache
 reports|nodejs|bundles the script of the report page|node
 reports|npm|fetches the modules of the report page by their lock file|npm
 reports|chromium|opens report pages: browser tests, pictures, videos|chromium
