@@ -8,6 +8,7 @@
 //  * fast: soft contacts in small sub-steps, velocities in single precision.
 //  * Refused: several threads.
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "adapters/ourengine_variants.hpp"
@@ -90,10 +91,9 @@ Expected<std::unique_ptr<Simulation>> build_ourengine(const World& world,
   return entry->build(world, settings);
 }
 
-// The contacts of the paper's system are found by bisection within the step: no map of Scheme. The
-// velocity-level variants turn bodies by a rule that Scheme has no name for.
-std::optional<Scheme> ourengine_scheme(const Settings& settings) {
-  if (settings.variant != "baraff" && settings.variant != "paper") return std::nullopt;
+// The paper's system; its contacts are solved for accelerations and hit one by one: no map of
+// Scheme.
+Scheme baraff_scheme() {
   Scheme scheme;
   scheme.source =
       "Darji & Alur, Explosion Simulator, \"Rigid body physics\"; Baraff, Rigid Body Simulation I";
@@ -101,6 +101,37 @@ std::optional<Scheme> ourengine_scheme(const Settings& settings) {
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::normalised_euler;
   return scheme;
+}
+
+// The velocity-level engine as ourengine/dynamics/dynamics.hpp and normal_bias_mps() state it.
+std::optional<Scheme> velocity_scheme(const Settings& settings) {
+  const auto value = [&](std::string_view name) {
+    const auto row = std::ranges::find_if(
+        k_exact_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
+    return knob_or(settings, name, row->tuned);
+  };
+  const double integrator = value("integrator");
+  if (integrator == 1.0) return std::nullopt;  // CF4 has no rule in Scheme
+  Scheme scheme;
+  scheme.source = "Moreau 1999; Stewart & Trinkle 1996; ourengine/dynamics, ourengine/contact";
+  scheme.position = PositionRule::mean_unless_pushed;
+  scheme.gyroscopic = GyroscopicRule::spatial_momentum;
+  scheme.attitude = integrator == 0.0 ? AttitudeRule::exponential : AttitudeRule::moser_veselov;
+  scheme.impulse = ImpulseContact{.margin_m = std::numeric_limits<double>::infinity(),
+                                  .approach_allowed = true,
+                                  .bounces_before_touch = true,
+                                  .restitution_threshold_steps = value("resting_approach_steps"),
+                                  .error_reduction = value("overlap_recovery"),
+                                  .max_correction_mps = value("recovery_limit_mps")};
+  return scheme;
+}
+
+// The soft contact of `fast` lives between the sub-steps: no map of Scheme.
+std::optional<Scheme> ourengine_scheme(const Settings& settings) {
+  const std::string& variant = settings.variant;
+  if (variant == "baraff" || variant == "paper") return baraff_scheme();
+  if (variant == "exact" || variant == "lcp") return velocity_scheme(settings);
+  return std::nullopt;
 }
 
 }  // namespace

@@ -11,26 +11,31 @@ namespace brickbench {
 
 // How the position follows the velocity over one step h under an acceleration a held constant.
 enum class PositionRule {
-  old_velocity,   // explicit Euler: x += h v, v += h a; attitudes turn with the old spin too
-  new_velocity,   // semi-implicit (symplectic) Euler: v += h a, x += h v
-  mean_velocity,  // exact for constant a: x += h v + h^2/2 a
-  runge_kutta_4,  // classical: four stages of velocity and acceleration, also in contact
+  old_velocity,        // explicit Euler: x += h v, v += h a; attitudes turn with the old spin too
+  new_velocity,        // semi-implicit (symplectic) Euler: v += h a, x += h v
+  mean_velocity,       // exact for constant a: x += h v + h^2/2 a
+  mean_unless_pushed,  // mean_velocity in steps without contact impulse, else new_velocity
+  runge_kutta_4,       // classical: four stages of velocity and acceleration, also in contact
 };
 
 // How the gyroscopic torque -w x I w enters the angular velocity.
 enum class GyroscopicRule {
   neglected,
-  explicit_body,     // I w+ = I w - h w x I w
-  newton_body,       // one Newton step on I (w+ - w) + h w+ x I w+ = 0 in the body frame
-  frozen_momentum,   // I w+ = I w - h w+ x I w, with I of the step's start
-  runge_kutta_4,     // classical Runge-Kutta on Euler's equations in the body frame
-  spatial_momentum,  // L+ = L + h torque in the world frame, w+ = I(q+)^-1 L+
+  explicit_body,    // I w+ = I w - h w x I w
+  newton_body,      // one Newton step on I (w+ - w) + h w+ x I w+ = 0 in the body frame
+  frozen_momentum,  // I w+ = I w - h w+ x I w, with I of the step's start
+  runge_kutta_4,    // classical Runge-Kutta on Euler's equations in the body frame
+  // L+ = L + h torque in the world frame, w+ = I(q+)^-1 L+; contacts act on I(q)^-1 L+.
+  spatial_momentum,
 };
 
 // How the orientation follows the angular velocity.
 enum class AttitudeRule {
   exponential,       // q+ = exp(h w+) q
   normalised_euler,  // q+ = q + h/2 (0, w+) q, scaled to length 1
+  // Discrete Moser-Veselov with the moments of Hairer and Vilmart (J. Phys. A 39, 2006, order
+  // four), turned by the spatial momentum L+; steps beyond 0.02 rad are cut into equal parts.
+  moser_veselov,
 };
 
 // Contact as an impulse on the velocity: for a normal gap g_n and normal velocity v (positive when
@@ -38,7 +43,11 @@ enum class AttitudeRule {
 struct ImpulseContact {
   double margin_m = 0.0;          // a contact exists where gap <= margin at the start of the step
   bool approach_allowed = false;  // an open gap lowers the target by gap / h
-  double restitution_threshold_mps = 0.0;  // no restitution for slower approach
+  // An open gap that closes within the step at the approach speed bounces already; the target is
+  // then the larger of rebound and approach.
+  bool bounces_before_touch = false;
+  double restitution_threshold_mps = 0.0;    // no restitution for slower approach
+  double restitution_threshold_steps = 0.0;  // nor for slower than this many steps of gravity
   bool sum_of_targets = false;   // restitution and correction are added; else the larger counts
   double error_reduction = 0.0;  // correction velocity: this fraction of the depth per step
   double max_correction_mps = std::numeric_limits<double>::infinity();

@@ -105,6 +105,10 @@ void push_pair(const Row& row, const Vector3d& impulse, std::span<State> states)
 std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
                              const std::vector<PointContact>& contacts,
                              std::span<const State> before) {
+  ImpulseContact law_of_step = *scheme.impulse;
+  law_of_step.restitution_threshold_mps = std::max(
+      law_of_step.restitution_threshold_mps,
+      law_of_step.restitution_threshold_steps * run.step_s * run.world.gravity_mps2.norm());
   std::vector<Row> rows;
   for (const PointContact& contact : contacts) {
     if (contact.gap_m > scheme.impulse->margin_m) continue;
@@ -114,7 +118,7 @@ std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
     row.b = arm_of(run.world, contact.body_b, before[contact.body_b], contact);
     const ContactLaw law = contact_law(run.world, contact.body_a, contact.body_b);
     row.target_mps =
-        target_velocity_mps(*scheme.impulse, law.restitution, contact.gap_m,
+        target_velocity_mps(law_of_step, law.restitution, contact.gap_m,
                             contact.normal.dot(slip_velocity(row, before)), run.step_s);
     row.inverse_mass = inverse_mass_along(row.a, contact.normal) +
                        inverse_mass_along(row.b, contact.normal) +
@@ -188,7 +192,11 @@ bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const 
     const State free =
         next_free_state(scheme, body, before[i], wrenches[i], run.world.gravity_mps2, h);
     states[i].velocity_mps = free.velocity_mps;
-    states[i].angular_velocity_radps = free.angular_velocity_radps;
+    if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
+      push_momentum(body.inertia_kgm2, h * wrenches[i].torque_nm, states[i]);
+    } else {
+      states[i].angular_velocity_radps = free.angular_velocity_radps;
+    }
   }
   std::vector<Row> rows = active_rows(scheme, run, contacts, before);
   const auto has_friction = [&](const Row& row) {
@@ -205,9 +213,19 @@ bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const 
   }
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (run.world.bodies[i].fixed) continue;
-    advance_position(scheme.position, before[i].velocity_mps, h, states[i]);
-    states[i].orientation =
-        next_attitude(scheme.attitude, before[i].orientation, states[i].angular_velocity_radps, h);
+    const bool pushed = std::ranges::any_of(rows, [i](const Row& row) {
+      return row.impulse_ns > 0.0 && (row.contact->body_a == i || row.contact->body_b == i);
+    });
+    const bool new_velocity = pushed && scheme.position == PositionRule::mean_unless_pushed;
+    advance_position(new_velocity ? PositionRule::new_velocity : scheme.position,
+                     before[i].velocity_mps, h, states[i]);
+    if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
+      turn_with_momentum(scheme, run.world.bodies[i].inertia_kgm2, before[i].angular_velocity_radps,
+                         h, states[i]);
+    } else {
+      states[i].orientation = next_attitude(scheme.attitude, before[i].orientation,
+                                            states[i].angular_velocity_radps, h);
+    }
   }
   for (const Row& row : rows) shift_split(scheme, run.world, row, states);
   return true;
@@ -268,6 +286,10 @@ double target_velocity_mps(const ImpulseContact& contact, double restitution, do
   const double speed = -velocity_mps;
   const double rebound =
       speed > 0.0 && speed >= contact.restitution_threshold_mps ? restitution * speed : 0.0;
+  if (gap_m > 0.0 && contact.bounces_before_touch) {
+    return rebound > 0.0 && speed * step_s >= gap_m ? std::max(rebound, -gap_m / step_s)
+                                                    : -gap_m / step_s;
+  }
   if (gap_m > 0.0) return rebound - (contact.approach_allowed ? gap_m / step_s : 0.0);
   const bool split = gap_m <= contact.split_at_gap_m;
   const double correction =

@@ -28,6 +28,16 @@ Eigen::Quaterniond rotation_of(const Eigen::Vector3d& angle_rad);
 Eigen::Quaterniond next_attitude(AttitudeRule rule, const Eigen::Quaterniond& orientation,
                                  const Eigen::Vector3d& angular_velocity_radps, double step_s);
 
+// For GyroscopicRule::spatial_momentum: changes the spin so that the angular momentum about the
+// centre changes by change_nms (world frame) at the present attitude.
+void push_momentum(const Eigen::Vector3d& inertia_kgm2, const Eigen::Vector3d& change_nms,
+                   State& state);
+
+// ... and turns the body by one step h (s), momentum held; old_spin_radps (world frame) is that of
+// the step's start, for the rule that turns with it.
+void turn_with_momentum(const Scheme& scheme, const Eigen::Vector3d& inertia_kgm2,
+                        const Eigen::Vector3d& old_spin_radps, double step_s, State& state);
+
 // Moves state.position_m by one step h (s), after state.velocity_mps has been brought up to date.
 void advance_position(PositionRule rule, const Eigen::Vector3d& old_velocity_mps, double step_s,
                       State& state);
