@@ -61,7 +61,7 @@ inline constexpr std::array k_fast_knobs = {
     KnobRow{"damping_ratio", "1", 10, 10, 0, 1000, false, "of the contacts"},
     KnobRow{"push_limit_mps", "m/s", 3, 3, 0, 100, false,
             "an overlap is never pushed out faster than this"},
-    KnobRow{"margin_m", "m", 1e-3, 1e-3, 1e-9, 1e-1, false,
+    KnobRow{"margin_m", "m", 5e-4, 5e-4, 1e-9, 1e-1, false,
             "gap up to which contacts are stated, beyond what bodies approach in a step"},
     KnobRow{"resting_approach_mps", "m/s", 0.1, 0.1, 0, 100, false,
             "a slower approach does not bounce"},

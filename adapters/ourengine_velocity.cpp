@@ -88,7 +88,8 @@ std::vector<Diagnostic> diagnostics_of(const engine::StepReport& report) {
 std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
   return {{"contacts", "1", double(report.contacts)},
           {"manifolds", "1", double(report.manifolds)},
-          {"colours", "1", double(report.colours)}};
+          {"colours", "1", double(report.colours)},
+          {"manifolds_made", "1", double(report.remade)}};
 }
 
 std::vector<AuditFact> facts_of(const engine::DynamicsOptions& o) {
@@ -157,7 +158,7 @@ class VelocitySimulation final : public Simulation,
 
   void contacts(std::vector<Contact>& contacts) const override {
     contacts.clear();
-    for (const engine::ContactPoint& p : engine_.contacts()) {
+    for (const auto& p : engine_.contacts()) {
       contacts.push_back({static_cast<std::size_t>(p.body_a), static_cast<std::size_t>(p.body_b),
                           p.position_m, p.normal, p.gap_m, p.impulse_ns});
     }
@@ -274,6 +275,7 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
   options.damping_ratio = value("damping_ratio");
   options.push_limit_mps = value("push_limit_mps");
   options.resting_approach_mps = value("resting_approach_mps");
+  options.threads = settings.threads;
   return simulate<engine::FastDynamics>(world, options);
 }
 

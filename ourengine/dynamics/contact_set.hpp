@@ -7,8 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "ourengine/collision/broad_phase.hpp"
-#include "ourengine/collision/manifold.hpp"
+#include "ourengine/dynamics/collide.hpp"
 #include "ourengine/dynamics/model.hpp"
 
 namespace ourengine {
@@ -44,9 +43,6 @@ class ContactSet {
 
  private:
   void add_manifold(int a, int b, const Manifold& manifold, std::span<const Motion> motions);
-  Manifold collide(int a, int b, std::span<const Motion> motions, double margin_m) const;
-  Manifold collide_fast(int a, int b, std::span<const Motion> motions, double step_s,
-                        double margin_m) const;
   void inherit(ContactPoint& point, std::size_t first_of_pair);
 
   std::span<const BodyModel> bodies_;
@@ -59,8 +55,5 @@ class ContactSet {
   std::vector<bool> inherited_;
   std::uint64_t next_id_ = 1;
 };
-
-// Radius of the smallest ball about the centre that holds the shape; infinite for a plane.
-double bounding_radius_m(const Geometry& geometry);
 
 }  // namespace ourengine

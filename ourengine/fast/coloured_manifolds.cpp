@@ -1,4 +1,4 @@
-// Contacts into coloured batches: which manifold is solved where, and its rows.
+// Contacts into coloured batches: which manifold is solved where, and what identifies it there.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,215 +9,186 @@ namespace ourengine {
 namespace {
 
 constexpr std::uint64_t k_all_colours = ~std::uint64_t{0};
+constexpr std::size_t k_batches_per_piece = 8;
 
-void put(Lane3& lanes, std::size_t i, const Eigen::Vector3f& v) {
-  for (std::size_t k = 0; k < 3; ++k) lanes[k][i] = v[static_cast<Eigen::Index>(k)];
-}
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// What a row needs of one body.
-struct Side {
-  Eigen::Matrix3f inverse_inertia;
-  float inverse_mass;
-};
-
-void put_row(SoftRow& row, std::size_t i, const Side& a, const Side& b,
-             const Eigen::Vector3f& arm_a, const Eigen::Vector3f& arm_b,
-             const Eigen::Vector3f& direction) {
-  const Eigen::Vector3f moment_a = arm_a.cross(direction);
-  const Eigen::Vector3f moment_b = arm_b.cross(direction);
-  put(row.arm_a, i, moment_a);
-  put(row.arm_b, i, moment_b);
-  put(row.turn_a, i, a.inverse_inertia * moment_a);
-  put(row.turn_b, i, b.inverse_inertia * moment_b);
-}
-
-// Entry of J M^-1 J^T between two rows of the same manifold and lane, angular part.
-float coupling(const SoftRow& row, const SoftRow& other, std::size_t i) {
-  float sum = 0.0F;
+void put(Lane3& lanes, std::size_t i, const Eigen::Vector3d& v) {
   for (std::size_t k = 0; k < 3; ++k) {
-    sum += row.arm_a[k][i] * other.turn_a[k][i] + row.arm_b[k][i] * other.turn_b[k][i];
+    lanes[k][i] = static_cast<float>(v[static_cast<Eigen::Index>(k)]);
   }
-  return sum;
 }
 
-// At most four of the manifold's points: two far apart, then the widest triangle, then the point
-// that adds most area on the other side. Returns how many.
-int choose_points(std::span<const ContactPoint> points, std::array<int, k_soft_points>& chosen) {
-  const int count = static_cast<int>(points.size());
-  if (count <= k_soft_points) {
-    for (int k = 0; k < count; ++k) chosen[static_cast<std::size_t>(k)] = k;
-    return count;
-  }
-  const auto at = [&](int k) -> const Eigen::Vector3d& {
-    return points[static_cast<std::size_t>(k)].position_m;
-  };
-  const auto best = [&](auto score) {
-    int found = 0;
-    for (int k = 1; k < count; ++k) {
-      if (score(k) > score(found)) found = k;
-    }
-    return found;
-  };
-  const Eigen::Vector3d& normal = points[0].normal;
-  const int first = best([&](int k) { return -points[static_cast<std::size_t>(k)].gap_m; });
-  const int second = best([&](int k) { return (at(k) - at(first)).squaredNorm(); });
-  const auto area = [&](int k) {
-    return (at(second) - at(first)).cross(at(k) - at(first)).dot(normal);
-  };
-  const int third = best([&](int k) { return area(k); });
-  const int fourth = best([&](int k) { return -area(k); });
-  chosen = {first, second, third, fourth};
-  return k_soft_points;
+SoftBatch empty_batch(std::size_t bodies) {
+  SoftBatch batch{};
+  batch.body_a.fill(static_cast<std::int32_t>(bodies));
+  batch.body_b = batch.body_a;
+  return batch;
 }
 
 }  // namespace
 
+// Whether some point may close within the step: the others are known, but need not be solved.
+bool FastDynamics::is_near(const SoftManifold& manifold) const {
+  const double margin_m =
+      options_.margin_m + poses_[at(manifold.body_a)].reach_m + poses_[at(manifold.body_b)].reach_m;
+  const auto gaps = std::span(manifold.gap_m).first(at(manifold.count));
+  return std::ranges::any_of(gaps, [&](double gap_m) { return gap_m <= margin_m; });
+}
+
 // Greedy colouring in the order of the pairs: the lowest colour that neither moving body has yet.
 void FastDynamics::colour_manifolds() {
   slots_.clear();
-  const auto points = contacts_.points();
-  std::vector<std::uint64_t> used(bodies_.size(), 0);
+  used_.assign(bodies_.size(), 0);
   std::vector<int> sizes;
-  for (std::size_t begin = 0; begin < points.size();) {
-    std::size_t end = begin;
-    while (end < points.size() && points[end].body_a == points[begin].body_a &&
-           points[end].body_b == points[begin].body_b) {
-      ++end;
+  bouncing_ = false;
+  report_ = {0, 0, 0, contacts_.made()};
+  const std::span<SoftManifold> manifolds = contacts_.manifolds();
+  for (std::size_t m = 0; m < manifolds.size(); ++m) {
+    SoftManifold& manifold = manifolds[m];
+    if (!is_near(manifold)) {
+      manifold.impulse.fill(0.0F);
+      manifold.friction_impulse.setZero();
+      manifold.twist_impulse = 0.0F;
+      continue;
     }
+    const auto a = at(manifold.body_a);
+    const auto b = at(manifold.body_b);
+    bouncing_ = bouncing_ || laws_(bodies_[a].surface, bodies_[b].surface).restitution > 0.0;
+    std::uint64_t taken = (bodies_[a].fixed ? 0 : used_[a]) | (bodies_[b].fixed ? 0 : used_[b]);
     Slot slot;
-    slot.first = static_cast<int>(begin);
-    slot.count = static_cast<int>(end - begin);
-    slot.solved = choose_points(points.subspan(begin, end - begin), slot.chosen);
-    const auto a = static_cast<std::size_t>(points[begin].body_a);
-    const auto b = static_cast<std::size_t>(points[begin].body_b);
-    std::uint64_t taken = (bodies_[a].fixed ? 0 : used[a]) | (bodies_[b].fixed ? 0 : used[b]);
-    // More than 64 contacts on one body share the last colour: lanes of one batch must still be
-    // disjoint, so each of them opens a colour of its own behind it.
+    slot.manifold = static_cast<int>(m);
+    // More than 64 contacts on one body: each further one opens a colour of its own, since the
+    // lanes of a batch must not share a body.
     if (taken == k_all_colours) {
-      slot.colour = static_cast<int>(sizes.size());
+      slot.colour = std::max(static_cast<int>(sizes.size()), 64);
     } else {
       slot.colour = std::countr_one(taken);
-      used[a] |= std::uint64_t{1} << slot.colour;
-      used[b] |= std::uint64_t{1} << slot.colour;
+      used_[a] |= std::uint64_t{1} << slot.colour;
+      used_[b] |= std::uint64_t{1} << slot.colour;
     }
-    sizes.resize(std::max(sizes.size(), static_cast<std::size_t>(slot.colour) + 1), 0);
-    ++sizes[static_cast<std::size_t>(slot.colour)];
+    sizes.resize(std::max(sizes.size(), at(slot.colour) + 1), 0);
+    ++sizes[at(slot.colour)];
     slots_.push_back(slot);
-    begin = end;
+    report_.contacts += manifold.count;
   }
-  colour_begin_.assign(1, 0);
-  for (const int size : sizes) {
-    colour_begin_.push_back(colour_begin_.back() +
-                            static_cast<std::size_t>((size + k_lanes - 1) / k_lanes));
-  }
-  const auto rest = static_cast<std::int32_t>(bodies_.size());
-  SoftBatch empty{};
-  empty.body_a.fill(rest);
-  empty.body_b.fill(rest);
-  batches_.assign(colour_begin_.back(), empty);
-  std::vector<int> next(sizes.size(), 0);
-  bouncing_ = false;
-  for (Slot& slot : slots_) {
-    const auto colour = static_cast<std::size_t>(slot.colour);
-    const int place = next[colour]++;
-    slot.batch = static_cast<int>(colour_begin_[colour]) + place / k_lanes;
-    slot.lane = place % k_lanes;
-    fill(slot);
-  }
-  report_ = {static_cast<int>(points.size()), static_cast<int>(slots_.size()),
-             static_cast<int>(sizes.size())};
+  report_.manifolds = static_cast<int>(slots_.size());
+  report_.colours = static_cast<int>(sizes.size());
+  place_slots(sizes);
+  fill_batches();
 }
 
-void FastDynamics::fill(const Slot& slot) {
-  SoftBatch& batch = batches_[static_cast<std::size_t>(slot.batch)];
-  const auto i = static_cast<std::size_t>(slot.lane);
-  const auto points = contacts_.points().subspan(static_cast<std::size_t>(slot.first),
-                                                 static_cast<std::size_t>(slot.count));
-  const auto a = static_cast<std::size_t>(points[0].body_a);
-  const auto b = static_cast<std::size_t>(points[0].body_b);
-  const auto side = [&](std::size_t body) {
-    return Side{inverse_inertia_[body].cast<float>(),
-                bodies_[body].fixed ? 0.0F : static_cast<float>(1.0 / bodies_[body].mass_kg)};
-  };
-  const Side side_a = side(a);
-  const Side side_b = side(b);
-  const auto rest = static_cast<std::int32_t>(bodies_.size());
-  batch.body_a[i] = bodies_[a].fixed ? rest : points[0].body_a;
-  batch.body_b[i] = bodies_[b].fixed ? rest : points[0].body_b;
-  batch.inverse_mass_a[i] = side_a.inverse_mass;
-  batch.inverse_mass_b[i] = side_b.inverse_mass;
-  const float inverse_mass = side_a.inverse_mass + side_b.inverse_mass;
+void FastDynamics::place_slots(std::span<const int> sizes) {
+  colour_begin_.assign(1, 0);
+  for (const int size : sizes) {
+    colour_begin_.push_back(colour_begin_.back() + at((size + k_lanes - 1) / k_lanes));
+  }
+  batches_.resize(colour_begin_.back());
+  lane_slot_.assign(k_lanes * batches_.size(), -1);
+  std::vector<int> next(sizes.size(), 0);
+  for (std::size_t s = 0; s < slots_.size(); ++s) {
+    Slot& slot = slots_[s];
+    const int place = next[at(slot.colour)]++;
+    slot.batch = static_cast<int>(colour_begin_[at(slot.colour)]) + place / k_lanes;
+    slot.lane = place % k_lanes;
+    lane_slot_[at(k_lanes * slot.batch + slot.lane)] = static_cast<int>(s);
+  }
+}
 
-  const Eigen::Vector3d& normal = points[0].normal;
-  Eigen::Index axis = 0;
-  normal.cwiseAbs().minCoeff(&axis);
-  const Eigen::Vector3d t1 = normal.cross(Eigen::Vector3d::Unit(axis)).normalized();
-  const Eigen::Vector3d t2 = normal.cross(t1);
-  put(batch.normal, i, normal.cast<float>());
-  put(batch.tangent[0], i, t1.cast<float>());
-  put(batch.tangent[1], i, t2.cast<float>());
-  batch.points = std::max(batch.points, slot.solved);
-
-  const SurfaceLaw& law = laws_(bodies_[a].surface, bodies_[b].surface);
-  batch.friction[i] = static_cast<float>(law.friction);
-  const double per_substep = 1.0 / options_.substeps;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  Eigen::Vector3d friction = Eigen::Vector3d::Zero();
-  for (int p = 0; p < slot.solved; ++p) {
-    const ContactPoint& from =
-        points[static_cast<std::size_t>(slot.chosen[static_cast<std::size_t>(p)])];
-    SoftPoint& point = batch.point[static_cast<std::size_t>(p)];
-    const Eigen::Vector3d arm_a = from.position_m - motions_[a].position_m;
-    const Eigen::Vector3d arm_b = from.position_m - motions_[b].position_m;
-    put_row(point.row, i, side_a, side_b, arm_a.cast<float>(), arm_b.cast<float>(),
-            normal.cast<float>());
-    point.mass[i] = 1.0F / (inverse_mass + coupling(point.row, point.row, i));
-    point.gap[i] = static_cast<float>(from.gap_m);
-    point.impulse[i] = static_cast<float>(std::max(0.0, per_substep * normal.dot(from.impulse_ns)));
-    if (law.restitution > 0.0) {
-      const double approach = normal.dot(velocity_at(b, from) - velocity_at(a, from));
-      if (approach < -options_.resting_approach_mps) {
-        point.bounce[i] = static_cast<float>(-law.restitution * approach);
-        bouncing_ = true;
+void FastDynamics::fill_batches() {
+  const SoftBatch empty = empty_batch(bodies_.size());
+  pool_.for_ranges(batches_.size(), k_batches_per_piece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      SoftBatch& batch = batches_[k];
+      const auto lanes = std::span(lane_slot_).subspan(k_lanes * k, k_lanes);
+      if (lanes.back() < 0) batch = empty;  // lanes are taken from the front
+      batch.points = 0;
+      for (std::size_t i = 0; i < lanes.size() && lanes[i] >= 0; ++i) {
+        fill(batch, i, contacts_.manifolds()[at(slots_[at(lanes[i])].manifold)]);
       }
     }
-    centre += from.position_m / slot.solved;
-    friction += per_substep * (from.impulse_ns - normal.dot(from.impulse_ns) * normal);
-  }
+    soft_prepare(std::span(batches_).subspan(begin, end - begin), inertia_);
+  });
+}
 
-  double arm_sum = 0.0;
-  double twist = 0.0;
-  for (int p = 0; p < slot.solved; ++p) {
-    const ContactPoint& from =
-        points[static_cast<std::size_t>(slot.chosen[static_cast<std::size_t>(p)])];
-    const Eigen::Vector3d arm = from.position_m - centre;
-    arm_sum += arm.norm();
-    twist += per_substep * normal.dot(arm.cross(from.impulse_ns));
+// What identifies the contact; soft_prepare() makes the rest of it.
+void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& manifold) {
+  const auto a = at(manifold.body_a);
+  const auto b = at(manifold.body_b);
+  const auto rest = static_cast<std::int32_t>(bodies_.size());
+  batch.body_a[i] = bodies_[a].fixed ? rest : manifold.body_a;
+  batch.body_b[i] = bodies_[b].fixed ? rest : manifold.body_b;
+  put(batch.normal, i, manifold.normal);
+  batch.points = std::max(batch.points, manifold.count);
+  const SurfaceLaw& law = laws_(bodies_[a].surface, bodies_[b].surface);
+  batch.friction[i] = static_cast<float>(law.friction);
+  batch.twist_impulse[i] = manifold.twist_impulse;
+  put(batch.carried_friction, i, manifold.friction_impulse.cast<double>());
+  for (std::size_t p = 0; p < k_soft_points; ++p) {
+    SoftPoint& point = batch.point[p];
+    const bool present = p < at(manifold.count);
+    const Eigen::Vector3d arm_a = present ? manifold.arm_a_m[p] : Eigen::Vector3d::Zero();
+    const Eigen::Vector3d arm_b =
+        present ? Eigen::Vector3d(arm_a - manifold.between_m) : Eigen::Vector3d::Zero();
+    put(point.row.arm_a, i, arm_a);
+    put(point.row.arm_b, i, arm_b);
+    point.mass[i] = present ? 1.0F : 0.0F;
+    point.gap[i] = present ? static_cast<float>(manifold.gap_m[p]) : 0.0F;
+    point.impulse[i] = present ? manifold.impulse[p] : 0.0F;
+    point.bounce[i] = 0.0F;
+    point.max_impulse[i] = 0.0F;
+    if (!present || law.restitution == 0.0) continue;
+    const double approach = manifold.normal.dot(velocity_at(b, arm_b) - velocity_at(a, arm_a));
+    if (approach < -options_.resting_approach_mps) {
+      point.bounce[i] = static_cast<float>(-law.restitution * approach);
+    }
   }
-  batch.twist_arm[i] = static_cast<float>(arm_sum / slot.solved);
-  batch.twist_impulse[i] = static_cast<float>(twist);
-  batch.friction_impulse[0][i] = static_cast<float>(t1.dot(friction));
-  batch.friction_impulse[1][i] = static_cast<float>(t2.dot(friction));
+}
 
-  const Eigen::Vector3f arm_a = (centre - motions_[a].position_m).cast<float>();
-  const Eigen::Vector3f arm_b = (centre - motions_[b].position_m).cast<float>();
-  put_row(batch.friction_row[0], i, side_a, side_b, arm_a, arm_b, t1.cast<float>());
-  put_row(batch.friction_row[1], i, side_a, side_b, arm_a, arm_b, t2.cast<float>());
-  const SoftRow& row1 = batch.friction_row[0];
-  const SoftRow& row2 = batch.friction_row[1];
-  const float k11 = inverse_mass + coupling(row1, row1, i);
-  const float k22 = inverse_mass + coupling(row2, row2, i);
-  const float k12 = coupling(row1, row2, i);
-  const float determinant = k11 * k22 - k12 * k12;
-  batch.friction_mass_11[i] = k22 / determinant;
-  batch.friction_mass_22[i] = k11 / determinant;
-  batch.friction_mass_12[i] = -k12 / determinant;
-  const Eigen::Vector3f n = normal.cast<float>();
-  const Eigen::Vector3f twist_a = side_a.inverse_inertia * n;
-  const Eigen::Vector3f twist_b = side_b.inverse_inertia * n;
-  put(batch.twist_a, i, twist_a);
-  put(batch.twist_b, i, twist_b);
-  batch.twist_mass[i] = 1.0F / n.dot(twist_a + twist_b);
+// Back into the manifolds.
+void FastDynamics::keep_impulses() {
+  std::ranges::fill(touched_, 0);
+  for (const Slot& slot : slots_) {
+    const SoftBatch& batch = batches_[at(slot.batch)];
+    const std::size_t i = at(slot.lane);
+    SoftManifold& manifold = contacts_.manifolds()[at(slot.manifold)];
+    bool touched = false;
+    for (std::size_t p = 0; p < at(manifold.count); ++p) {
+      manifold.impulse[p] = batch.point[p].impulse[i];
+      touched = touched || batch.point[p].max_impulse[i] > 0.0F;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
+          batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
+          batch.friction_impulse[1][i] * batch.tangent[1][k][i];
+    }
+    manifold.twist_impulse = batch.twist_impulse[i];
+    if (!touched) continue;
+    touched_[at(manifold.body_a)] = 1;
+    touched_[at(manifold.body_b)] = 1;
+  }
+}
+
+// Friction and twist of a manifold become forces at its points.
+std::vector<SoftContact> FastDynamics::contacts() const {
+  std::vector<SoftContact> contacts;
+  for (const SoftManifold& manifold : contacts_.manifolds()) {
+    if (manifold.count == 0 || !is_near(manifold)) continue;
+    const auto arms = std::span(manifold.arm_a_m).first(at(manifold.count));
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& arm : arms) centre += arm / manifold.count;
+    double squares = 0.0;
+    for (const Eigen::Vector3d& arm : arms) squares += (arm - centre).squaredNorm();
+    const double turn = squares > 0.0 ? static_cast<double>(manifold.twist_impulse) / squares : 0.0;
+    for (std::size_t p = 0; p < arms.size(); ++p) {
+      const Eigen::Vector3d impulse = static_cast<double>(manifold.impulse[p]) * manifold.normal +
+                                      manifold.friction_impulse.cast<double>() / manifold.count +
+                                      turn * manifold.normal.cross(arms[p] - centre);
+      contacts.push_back({manifold.body_a, manifold.body_b, manifold.centre_a_m + arms[p],
+                          manifold.normal, manifold.gap_m[p], options_.substeps * impulse});
+    }
+  }
+  return contacts;
 }
 
 }  // namespace ourengine

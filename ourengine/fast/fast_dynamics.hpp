@@ -8,12 +8,14 @@
 // Physics Simulation, SCA 2019. Deterministic: same bodies, options and calls give the same bits.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "ourengine/dynamics/contact_set.hpp"
 #include "ourengine/dynamics/model.hpp"
+#include "ourengine/fast/manifold_set.hpp"
 #include "ourengine/fast/soft_batch.hpp"
+#include "ourengine/parallel/worker_pool.hpp"
 
 namespace ourengine {
 
@@ -21,18 +23,29 @@ struct FastOptions {
   double step_s = 1.0 / 240.0;
   int substeps = 4;
   Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
-  double margin_m = 1e-3;  // as in DynamicsOptions
+  double margin_m = 5e-4;  // as in DynamicsOptions
   // Stiffness of contacts: natural frequency, at most 1/8 of the sub-step rate, and damping ratio.
   double contact_hz = 1e9;
   double damping_ratio = 10.0;
   double push_limit_mps = 3.0;
   double resting_approach_mps = 0.1;  // slower approaches do not bounce
+  int threads = 1;                    // changes the time of a step, never its bits
 };
 
 struct FastReport {
   int contacts = 0;
   int manifolds = 0;
   int colours = 0;
+  int remade = 0;  // manifolds that separating axes had to make anew
+};
+
+struct SoftContact {
+  int body_a = 0;
+  int body_b = 0;
+  Eigen::Vector3d position_m;
+  Eigen::Vector3d normal;  // from a to b
+  double gap_m;
+  Eigen::Vector3d impulse_ns;  // on b, over the whole step, world frame
 };
 
 class FastDynamics {
@@ -51,32 +64,43 @@ class FastDynamics {
   std::span<const BodyModel> bodies() const { return bodies_; }
   const FastOptions& options() const { return options_; }
   const SurfaceLaws& laws() const { return laws_; }
-  // Contacts of the last step; impulses on body b over the whole step, world frame.
-  std::span<const ContactPoint> contacts() const { return contacts_.points(); }
+  // Contacts that the last step solved, in the order of the pairs; gaps at its start.
+  std::vector<SoftContact> contacts() const;
   const FastReport& report() const { return report_; }
 
   // (bodies) replaces all motions and forgets contact history.
   void set_motions(std::span<const Motion> motions);
 
+  // Everything that the future depends on, loads aside: an engine of the same bodies and options
+  // that is given it continues with the same bits.
+  struct Snapshot {
+    std::vector<Motion> motions;
+    ManifoldSet::History contacts;
+  };
+  Snapshot snapshot() const { return {motions_, contacts_.history()}; }
+  void restore(const Snapshot& snapshot);
+
  private:
-  struct Slot {     // where a manifold went
-    int first = 0;  // its points in contacts_
-    int count = 0;
+  struct Slot {  // where a manifold is solved
+    int manifold = 0;
     int colour = 0;
     int batch = 0;  // index into batches_
     int lane = 0;
-    std::array<int, k_soft_points> chosen{};  // points of contacts_ that are solved
-    int solved = 0;
   };
 
+  void pose_bodies();
   void find_contacts();
-  // Velocity (m/s) of the body's material point at the contact.
-  Eigen::Vector3d velocity_at(std::size_t body, const ContactPoint& point) const;
+  bool hand_on_reach();
   void colour_manifolds();
-  void fill(const Slot& slot);
+  bool is_near(const SoftManifold& manifold) const;
+  void place_slots(std::span<const int> sizes);
+  void fill_batches();
+  void fill(SoftBatch& batch, std::size_t lane, const SoftManifold& manifold);
+  Eigen::Vector3d velocity_at(std::size_t body, const Eigen::Vector3d& arm_m) const;
   void warm_start();
   std::span<SoftBatch> colour(std::size_t index);
   void sweep(const SoftStep& step, bool biased, bool forwards);
+  SoftStep soft_step() const;
   void run_substeps();
   void keep_impulses();
   void move_bodies();
@@ -85,18 +109,23 @@ class FastDynamics {
   std::vector<Motion> motions_;
   SurfaceLaws laws_;
   FastOptions options_;
+  WorkerPool pool_;
   std::vector<Load> loads_;
-  ContactSet contacts_;
-  std::vector<double> reach_m_;
+  ManifoldSet contacts_;
+  std::vector<BodyPose> poses_;
+  std::vector<double> radius_m_;
+  std::vector<Eigen::Vector3d> spin_radps_;
+  std::vector<SoftInertia> inertia_;  // (bodies + 1)
   std::vector<Slot> slots_;
+  std::vector<int> lane_slot_;             // slot of every lane of every batch, -1: empty
+  std::vector<std::uint64_t> used_;        // colours that a body has already
   std::vector<std::size_t> colour_begin_;  // colours + 1, into batches_
   std::vector<SoftBatch> batches_;
   std::vector<SoftVector> velocity_;  // (bodies + 1)
   std::vector<SoftVector> moved_;
   std::vector<SoftVector> contact_change_;  // velocity that the contacts gave in the last sub-step
   std::vector<SoftVector> free_change_;     // velocity that gravity and loads give per sub-step
-  std::vector<Eigen::Matrix3d> inverse_inertia_;  // world axes; 0 if fixed
-  std::vector<bool> touched_;
+  std::vector<char> touched_;
   bool bouncing_ = false;
   FastReport report_;
 };

@@ -28,7 +28,7 @@ using Lane3 = std::array<Lane, 3>;
 
 // One row of the Jacobian of a manifold: only the angular parts differ between its points.
 struct alignas(64) SoftRow {
-  Lane3 arm_a;   // r_a x direction
+  Lane3 arm_a;   // r_a x direction; before soft_prepare(): the lever r_a itself
   Lane3 arm_b;   // r_b x direction
   Lane3 turn_a;  // I_a^-1 arm_a
   Lane3 turn_b;  // I_b^-1 arm_b
@@ -36,7 +36,7 @@ struct alignas(64) SoftRow {
 
 struct alignas(64) SoftPoint {
   SoftRow row;
-  Lane mass;         // effective mass, kg; 0: no such point in this lane
+  Lane mass;         // effective mass, kg; 0: no such point in this lane (1 before soft_prepare())
   Lane gap;          // m, at the start of the step
   Lane impulse;      // N s per sub-step, accumulated
   Lane bounce;       // m/s: velocity to leave with, 0 without restitution
@@ -61,10 +61,14 @@ struct alignas(64) SoftBatch {
   Lane twist_impulse;
   Lane twist_arm;  // m: mean distance of the points from their centre
   Lane friction;
+  Lane3 carried_friction;  // N s per sub-step on b, world axes: of the last step
 };
 
 // Per body: linear x y z, 0, angular x y z, 0. The last body stands for everything fixed.
 using SoftVector = std::array<float, 8>;
+
+// Per body: inverse inertia (world axes, symmetric) xx xy xz yy yz zz, inverse mass, 0.
+using SoftInertia = std::array<float, 8>;
 
 struct SoftStep {
   float step_s;          // of a sub-step
@@ -73,6 +77,16 @@ struct SoftStep {
   float impulse_scale;   // of the soft constraint, 0: rigid
   float push_limit_mps;  // an overlap is never pushed out faster
 };
+
+// Everything that follows from what identifies a contact: from bodies, normal, levers, gaps, points
+// present and impulses carried over to tangents, rows and effective masses. inertia: (bodies + 1),
+// zeros for what is fixed.
+void soft_prepare(std::span<SoftBatch> batches, std::span<const SoftInertia> inertia);
+void soft_prepare_scalar(std::span<SoftBatch> batches, std::span<const SoftInertia> inertia);
+
+// Adds to `change` the velocity that the impulses of one colour's batches give: (bodies + 1).
+void soft_push(std::span<const SoftBatch> batches, std::span<SoftVector> change);
+void soft_push_scalar(std::span<const SoftBatch> batches, std::span<SoftVector> change);
 
 // One sweep over the batches of one colour. `biased` pushes overlaps apart; the relaxing sweep
 // after the positions have moved takes that velocity out again and applies friction. velocity,

@@ -145,7 +145,8 @@ void soft_bounce(std::span<SoftBatch> batches, std::span<SoftVector> velocity) {
       const std::int32_t b = batch.body_b[i];
       Pair v = gather(velocity, a, b);
       const Vector n = lane(batch.normal, i);
-      for (SoftPoint& point : batch.point) {
+      for (SoftPoint& point :
+           std::span(batch.point).first(static_cast<std::size_t>(batch.points))) {
         if (!(point.bounce[i] > 0.0F) || !(point.max_impulse[i] > 0.0F)) continue;
         const float speed = dot(n, minus(v.linear_b, v.linear_a)) + turning(point.row, i, v);
         const float next =

@@ -106,6 +106,77 @@ TEST(SoftSweep, SimdAndScalarTwinGiveTheSameNumbers) {
   }
 }
 
+std::vector<SoftInertia> random_inertias(std::mt19937_64& random, std::size_t bodies) {
+  std::uniform_real_distribution<float> any(-0.2F, 0.2F);
+  std::uniform_real_distribution<float> positive(0.5F, 1.0F);
+  std::vector<SoftInertia> inertias(bodies + 1, SoftInertia{});
+  for (std::size_t i = 0; i < bodies; ++i) {
+    inertias[i] = {positive(random), any(random),      any(random),      positive(random),
+                   any(random),      positive(random), positive(random), 0.0F};
+  }
+  return inertias;
+}
+
+// Byte for byte, but for padding, which neither writes.
+TEST(SoftPrepare, SimdAndScalarTwinGiveTheSameNumbers) {
+  std::mt19937_64 random(22);
+  const int bodies = 160;
+  for (int round = 0; round < 20; ++round) {
+    std::vector<SoftBatch> simd = random_batches(random, 9, bodies);
+    for (SoftBatch& batch : simd) {
+      for (SoftPoint& point : batch.point)
+        for (float& present : point.mass) present = present > 0.15F ? 1.0F : 0.0F;
+      for (std::size_t k = 0; k < 3; ++k) batch.carried_friction[k] = batch.tangent[0][k];
+    }
+    std::vector<SoftBatch> scalar = simd;
+    const std::vector<SoftInertia> inertias = random_inertias(random, bodies);
+    soft_prepare(simd, inertias);
+    soft_prepare_scalar(scalar, inertias);
+    ASSERT_EQ(std::memcmp(simd.data(), scalar.data(), simd.size() * sizeof(SoftBatch)), 0)
+        << "round " << round;
+    std::vector<SoftVector> change(bodies + 1, SoftVector{});
+    std::vector<SoftVector> change_scalar = change;
+    soft_push(simd, change);
+    soft_push_scalar(scalar, change_scalar);
+    ASSERT_EQ(std::memcmp(change.data(), change_scalar.data(), change.size() * sizeof(SoftVector)),
+              0)
+        << "round " << round;
+  }
+}
+
+// Rows against the textbook: the effective mass of a point is 1 / (J M^-1 J^T).
+TEST(SoftPrepare, EffectiveMassIsThatOfTheTwoBodies) {
+  SoftBatch batch{};
+  batch.body_a.fill(2);
+  batch.body_b.fill(2);
+  batch.body_a[0] = 0;
+  batch.body_b[0] = 1;
+  batch.points = 1;
+  const Eigen::Vector3f n = Eigen::Vector3f(1, -2, 3).normalized();
+  const Eigen::Vector3f arms[2] = {{0.1F, 0.2F, -0.3F}, {-0.2F, 0.05F, 0.1F}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    batch.normal[k][0] = n[static_cast<Eigen::Index>(k)];
+    batch.point[0].row.arm_a[k][0] = arms[0][static_cast<Eigen::Index>(k)];
+    batch.point[0].row.arm_b[k][0] = arms[1][static_cast<Eigen::Index>(k)];
+  }
+  batch.point[0].mass[0] = 1.0F;
+  const std::vector<SoftInertia> inertias = {
+      {2, 0.1F, 0.2F, 3, 0.3F, 4, 0.5F, 0}, {5, 0.3F, 0.1F, 2, 0.2F, 6, 0.25F, 0}, {}};
+  soft_prepare(std::span(&batch, 1), inertias);
+  float sum = 0.75F;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const SoftInertia& i = inertias[k];
+    Eigen::Matrix3f inverse;
+    inverse << i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5];
+    const Eigen::Vector3f moment = arms[k].cross(n);
+    sum += moment.dot(inverse * moment);
+  }
+  Worst worst;
+  worst.see(std::abs(batch.point[0].mass[0] * sum - 1.0F), "of 1 / (J M^-1 J^T)");
+  EXPECT_TRUE(worst.within({"effective mass, relative", 1.2e-6, 6e-8, "single precision"}));
+  EXPECT_EQ(batch.point[0].mass[1], 0.0F) << "an empty lane has no point";
+}
+
 FastOptions options_of(double step_s, int substeps) {
   FastOptions options;
   options.step_s = step_s;
@@ -122,7 +193,7 @@ TEST(FastDynamics, WallStandsWithinItsPromise) {
   double deepest = 0.0;
   for (int i = 0; i < 480; ++i) {
     dynamics.step();
-    for (const ContactPoint& point : dynamics.contacts()) deepest = std::min(deepest, point.gap_m);
+    for (const SoftContact& point : dynamics.contacts()) deepest = std::min(deepest, point.gap_m);
   }
   EXPECT_GT(deepest, -1e-4);
   for (std::size_t k = 0; k < wall.motions.size(); ++k) {
@@ -173,6 +244,120 @@ TEST(FastDynamics, RunsRepeatBitForBitAlsoAfterSetMotions) {
     ASSERT_EQ(used->motions()[i].position_m, fresh->motions()[i].position_m) << i;
     ASSERT_EQ(used->motions()[i].velocity_mps, fresh->motions()[i].velocity_mps) << i;
   }
+}
+
+// A wall that is hit, large enough that every loop is cut into pieces.
+Wall hit_wall() {
+  Wall wall = running_bond(14, 14);
+  add_brick(wall, {0.1, 0.05, 0.05}, {1.4, -0.3, 0.75}, {0, 20, 0}, 10000.0);
+  return wall;
+}
+
+FastDynamics engine_of(const Wall& wall, int threads) {
+  FastOptions options = options_of(1.0 / 240, 4);
+  options.threads = threads;
+  return FastDynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.1}), options);
+}
+
+void expect_same(std::span<const Motion> a, std::span<const Motion> b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].position_m, b[i].position_m) << i;
+    ASSERT_EQ(a[i].attitude.coeffs(), b[i].attitude.coeffs()) << i;
+    ASSERT_EQ(a[i].velocity_mps, b[i].velocity_mps) << i;
+    ASSERT_EQ(a[i].angular_momentum_kgm2ps, b[i].angular_momentum_kgm2ps) << i;
+  }
+}
+
+TEST(FastDynamics, ThreadsDoNotChangeABit) {
+  const Wall wall = hit_wall();
+  FastDynamics one = engine_of(wall, 1);
+  FastDynamics two = engine_of(wall, 2);
+  FastDynamics four = engine_of(wall, 4);
+  FastDynamics again = engine_of(wall, 4);
+  for (int i = 0; i < 60; ++i) {
+    for (FastDynamics* engine : {&one, &two, &four, &again}) engine->step();
+  }
+  expect_same(one.motions(), two.motions());
+  expect_same(one.motions(), four.motions());
+  expect_same(four.motions(), again.motions());
+}
+
+TEST(FastDynamics, ARestoredSnapshotContinuesBitForBit) {
+  const Wall wall = hit_wall();
+  FastDynamics first = engine_of(wall, 1);
+  for (int i = 0; i < 20; ++i) first.step();
+  const FastDynamics::Snapshot snapshot = first.snapshot();
+  FastDynamics second = engine_of(wall, 1);
+  for (int i = 0; i < 7; ++i) second.step();  // a past of its own, which must not matter
+  second.restore(snapshot);
+  for (int i = 0; i < 40; ++i) {
+    first.step();
+    second.step();
+  }
+  expect_same(first.motions(), second.motions());
+}
+
+// At rest nothing moves by the bound of recycling: manifolds are made once.
+TEST(FastDynamics, AStandingWallMakesItsManifoldsOnce) {
+  const Wall wall = running_bond(6, 6);
+  FastDynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}),
+                        options_of(1.0 / 240, 8));
+  int made = dynamics.step().remade;
+  const int pairs = made;
+  for (int i = 0; i < 120; ++i) made += dynamics.step().remade;
+  EXPECT_GT(pairs, 60);
+  EXPECT_LT(made, 3 * pairs);  // the wall settles by some 0.1 mm in its first steps
+}
+
+// A kept manifold must say of gaps what a new one says, to what the bound of recycling allows.
+TEST(ManifoldSet, KeptManifoldsHaveTheGapsOfNewOnes) {
+  Wall wall = running_bond(3, 2);
+  WorkerPool pool(1);
+  std::vector<BodyPose> poses(wall.bodies.size());
+  const auto pose_all = [&] {
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      poses[i] = {wall.motions[i].attitude.toRotationMatrix(), 0.0};
+  };
+  ManifoldSet kept(wall.bodies, 1e-3);
+  pose_all();
+  kept.update(wall.motions, poses, 1.0 / 240, pool);
+  std::mt19937_64 random(23);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (std::size_t i = 1; i < wall.motions.size(); ++i) {
+    Motion& motion = wall.motions[i];
+    motion.position_m += 1e-5 * Eigen::Vector3d(any(random), any(random), any(random));
+    Eigen::Quaterniond turn(1.0, 2e-5 * any(random), 2e-5 * any(random), 2e-5 * any(random));
+    motion.attitude = (turn * motion.attitude).normalized();
+  }
+  pose_all();
+  kept.update(wall.motions, poses, 1.0 / 240, pool);
+  ASSERT_EQ(kept.made(), 0);
+  ManifoldSet made(wall.bodies, 1e-3);
+  made.update(wall.motions, poses, 1.0 / 240, pool);
+  Worst worst;
+  int compared = 0;
+  for (const SoftManifold& m : made.manifolds()) {
+    for (const SoftManifold& k : kept.manifolds()) {
+      if (k.body_a != m.body_a || k.body_b != m.body_b) continue;
+      for (int p = 0; p < m.count; ++p) {
+        double nearest = 1.0;
+        double gap_m = 1.0;
+        for (int q = 0; q < k.count; ++q) {
+          const auto& mine = k.arm_a_m[static_cast<std::size_t>(q)];
+          const double distance = (mine - m.arm_a_m[static_cast<std::size_t>(p)]).norm();
+          if (distance >= nearest) continue;
+          nearest = distance;
+          gap_m = k.gap_m[static_cast<std::size_t>(q)];
+        }
+        ++compared;
+        worst.see(std::abs(gap_m - m.gap_m[static_cast<std::size_t>(p)]), "gap of a kept point");
+      }
+    }
+  }
+  EXPECT_GT(compared, 20);
+  // Points lie up to the motion (1e-5 m) elsewhere, on faces that lean by up to 1e-4 rad.
+  EXPECT_TRUE(worst.within({"gap of a kept manifold, m", 1e-8, 1.5e-9, "1e-5 m times 1e-4 rad"}));
 }
 
 }  // namespace
