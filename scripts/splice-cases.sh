@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# splice-cases.sh [BRICKBENCH [SELECTOR...]]: runs the exact cases and puts each case's table into its
+# section of docs/cases.md, and who was measured when between that page's markers. Without selectors:
+# every engine's default variant and the other laws of ourengine. Nothing is retyped.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+die() { echo "splice-cases: $*" >&2; exit 2; }
+
+program=${1:-build/release/brickbench}
+shift || true
+selectors=("$@")
+if [ ${#selectors[@]} -eq 0 ]; then selectors=(all ourengine/fast ourengine/baraff); fi
+page=docs/cases.md
+if [ ! -x "$program" ]; then die "there is no program $program"; fi
+for marker in BEGIN END; do
+  if [ "$(grep -c "^<!-- $marker measured" $page)" -ne 1 ]; then
+    die "$page must have one line '<!-- $marker measured -->'"
+  fi
+done
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+options=()
+for selector in "${selectors[@]}"; do options+=(--engine "$selector"); done
+"$program" validate "${options[@]}" >"$scratch/table" 2>/dev/null || [ $? -eq 1 ] ||
+  die "validate did not run"
+versions=$("$program" list engines | sed -n 's/^\([a-z]*\): \(.*\)$/\1 \2/p' | paste -sd ';' | sed 's/;/; /g')
+measured="Measured $(date -u +%Y-%m-%d), revision $(git rev-parse --short HEAD): $versions."
+
+# A line of the table: case, engine, verdict, error, explained, unexplained, how to run it again.
+# ok: follows its scheme; open: nothing predicts it; beyond: an open question.
+awk '$1 ~ /^[a-z_]+\.[a-z0-9_]+$/ && $2 ~ "/" {
+       printf "%s\t| %s | %s | %s | %s | %s |\n", $1, $2, $3, $4, $5, $6 }' \
+  "$scratch/table" >"$scratch/lines"
+if [ ! -s "$scratch/lines" ]; then die "validate printed no cases"; fi
+
+MEASURED=$measured awk -F '\t' '
+  FNR == NR { lines[$1] = lines[$1] $2 "\n"; next }
+  /^<!-- BEGIN measured/ { print; print ""; print ENVIRON["MEASURED"]; print ""; skip = 1; next }
+  /^<!-- END measured/ { skip = 0 }
+  skip { next }
+  /^## [a-z_]+\.[a-z0-9_]+:/ { id = $0; sub(/^## /, "", id); sub(/:.*/, "", id) }
+  /^\| engine \| / && id != "" {
+    if (!(id in lines)) { print "no measurement of " id > "/dev/stderr"; exit 1 }
+    print "| engine | verdict | error | explained | unexplained |"
+    print "|---|---|---:|---:|---:|"
+    printf "%s", lines[id]
+    done_with[id] = 1; id = ""; table = 1; next
+  }
+  table && /^\|/ { next }
+  { table = 0; print }
+  END { for (id in lines) if (!(id in done_with)) { print "no section for " id > "/dev/stderr"; exit 1 } }
+' "$scratch/lines" $page >"$scratch/page" || die "$page and the catalogue differ"
+cat "$scratch/page" >$page
+echo "splice-cases: $page has $(wc -l <"$scratch/lines") measured cells"
