@@ -15,6 +15,7 @@ int run(int argc, char** argv) {
   app.name("brickbench");
   app.require_subcommand(1);
   add_run_verb(app, invocation);
+  add_sweep_verb(app, invocation);
   add_bench_verb(app, invocation);
   add_list_verb(app, invocation);
   add_validate_verb(app, invocation);

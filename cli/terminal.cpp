@@ -34,6 +34,8 @@ TerminalStyle standard_output_style() {
   return {.width = width_of(STDOUT_FILENO), .colour = colour};
 }
 
+std::size_t standard_error_width() { return width_of(STDERR_FILENO); }
+
 std::string duration_text(double seconds) {
   if (seconds < 60.0) return fmt::format("{:.1f} s", seconds);
   const long whole = static_cast<long>(seconds + 0.5);

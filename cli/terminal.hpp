@@ -12,6 +12,9 @@ namespace brickbench {
 // terminal and without NO_COLOR.
 TerminalStyle standard_output_style();
 
+// Columns of standard error, likewise.
+std::size_t standard_error_width();
+
 // "4.2 s", "3 min 5 s", "2 h 10 min"
 std::string duration_text(double seconds);
 

@@ -22,6 +22,7 @@ struct Invocation {
 };
 
 void add_run_verb(CLI::App& app, Invocation& invocation);
+void add_sweep_verb(CLI::App& app, Invocation& invocation);
 void add_bench_verb(CLI::App& app, Invocation& invocation);
 void add_list_verb(CLI::App& app, Invocation& invocation);
 void add_validate_verb(CLI::App& app, Invocation& invocation);

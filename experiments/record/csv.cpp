@@ -135,8 +135,10 @@ Expected<std::vector<Record>> read_csv(const std::filesystem::path& file) {
 template std::string to_csv<Row>(std::span<const Row>);
 template std::string to_csv<Timing>(std::span<const Timing>);
 template std::string to_csv<SeriesPoint>(std::span<const SeriesPoint>);
+template std::string to_csv<PlannedCell>(std::span<const PlannedCell>);
 template Expected<std::vector<Row>> read_csv<Row>(const std::filesystem::path&);
 template Expected<std::vector<Timing>> read_csv<Timing>(const std::filesystem::path&);
 template Expected<std::vector<SeriesPoint>> read_csv<SeriesPoint>(const std::filesystem::path&);
+template Expected<std::vector<PlannedCell>> read_csv<PlannedCell>(const std::filesystem::path&);
 
 }  // namespace brickbench

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/record/planned_cell.hpp"
 #include "experiments/record/row.hpp"
 #include "experiments/record/series.hpp"
 #include "experiments/record/timing.hpp"
@@ -22,6 +23,7 @@ std::string to_csv(std::span<const Record> records);
 extern template std::string to_csv<Row>(std::span<const Row>);
 extern template std::string to_csv<Timing>(std::span<const Timing>);
 extern template std::string to_csv<SeriesPoint>(std::span<const SeriesPoint>);
+extern template std::string to_csv<PlannedCell>(std::span<const PlannedCell>);
 
 // Fault::invalid with file:line: for a missing file, a column missing, unknown or given twice, a
 // wrong number of fields, a field that is not a value of its column. Columns may stand in any
@@ -31,6 +33,8 @@ Expected<std::vector<Record>> read_csv(const std::filesystem::path& file);
 extern template Expected<std::vector<Row>> read_csv<Row>(const std::filesystem::path&);
 extern template Expected<std::vector<Timing>> read_csv<Timing>(const std::filesystem::path&);
 extern template Expected<std::vector<SeriesPoint>> read_csv<SeriesPoint>(
+    const std::filesystem::path&);
+extern template Expected<std::vector<PlannedCell>> read_csv<PlannedCell>(
     const std::filesystem::path&);
 
 }  // namespace brickbench

@@ -10,17 +10,25 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 namespace brickbench {
 namespace {
 
 std::string system_reason(int error) { return std::generic_category().message(error); }
 
-// Name of a temporary file beside `file`; host and pid keep writers on a shared disk apart.
-std::filesystem::path temporary_name(const std::filesystem::path& file) {
+// Opens a new temporary file beside `file`; host and pid keep writers on a shared disk apart, the
+// counter steps over what a killed process with the same pid has left. Descriptor, or -1 and errno.
+int open_temporary(const std::filesystem::path& file, std::filesystem::path& temporary) {
+  constexpr int most_leftovers = 10000;
   char host[256] = "host";
   (void)::gethostname(host, sizeof host - 1);
-  return fmt::format("{}.tmp.{}.{}", file.string(), host, ::getpid());
+  for (int count = 0; count < most_leftovers; ++count) {
+    temporary = fmt::format("{}.tmp.{}.{}.{}", file.string(), host, ::getpid(), count);
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  }
+  return -1;
 }
 
 int write_all(int descriptor, std::string_view content) {
@@ -30,7 +38,14 @@ int write_all(int descriptor, std::string_view content) {
     if (written < 0) return errno;
     content.remove_prefix(static_cast<std::size_t>(written));
   }
-  return ::fsync(descriptor) == 0 ? 0 : errno;
+  return 0;
+}
+
+// Brings the file to the disk and closes it; 0 or errno.
+int sync_and_close(int descriptor) {
+  const int error = ::fsync(descriptor) == 0 ? 0 : errno;
+  if (::close(descriptor) != 0 && error == 0) return errno;
+  return error;
 }
 
 // rename() that never replaces; 0 or errno.
@@ -47,6 +62,11 @@ void sync_folder(const std::filesystem::path& folder) {
   if (descriptor < 0) return;
   (void)::fsync(descriptor);
   ::close(descriptor);
+}
+
+tl::unexpected<Failure> cannot_write(const std::filesystem::path& file, int error) {
+  const Fault fault = error == EEXIST ? Fault::invalid : Fault::crashed;
+  return fail(fault, fmt::format("cannot write '{}': {}", file.string(), system_reason(error)));
 }
 
 }  // namespace
@@ -69,23 +89,65 @@ Expected<void> create_new_folder(const std::filesystem::path& folder) {
               fmt::format("cannot create folder '{}': {}", folder.string(), system_reason(errno)));
 }
 
-Expected<void> write_new_file(const std::filesystem::path& file, std::string_view content) {
+NewFile::NewFile(std::filesystem::path file, std::filesystem::path temporary, int descriptor)
+    : file_(std::move(file)), temporary_(std::move(temporary)), descriptor_(descriptor) {}
+
+NewFile::NewFile(NewFile&& other) noexcept
+    : file_(std::move(other.file_)),
+      temporary_(std::move(other.temporary_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+NewFile::~NewFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+}
+
+Expected<NewFile> NewFile::create(const std::filesystem::path& file) {
   if (std::filesystem::exists(std::filesystem::symlink_status(file))) {
     return fail(Fault::invalid, fmt::format("'{}' exists already", file.string()));
   }
-  const auto temporary = temporary_name(file);
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0) {
-    return fail(Fault::crashed,
-                fmt::format("cannot write '{}': {}", file.string(), system_reason(errno)));
+  std::filesystem::path temporary;
+  const int descriptor = open_temporary(file, temporary);
+  if (descriptor < 0) return cannot_write(file, errno);
+  return NewFile(file, std::move(temporary), descriptor);
+}
+
+Expected<void> NewFile::append(std::string_view content) {
+  if (const int error = write_all(descriptor_, content); error != 0) {
+    return cannot_write(file_, error);
   }
+  return {};
+}
+
+Expected<void> NewFile::commit() {
+  int error = sync_and_close(std::exchange(descriptor_, -1));
+  if (error == 0) error = rename_new(temporary_, file_);
+  if (error != 0) {
+    ::unlink(temporary_.c_str());
+    return cannot_write(file_, error);
+  }
+  sync_folder(file_.parent_path());
+  return {};
+}
+
+Expected<void> write_new_file(const std::filesystem::path& file, std::string_view content) {
+  auto made = NewFile::create(file);
+  if (!made) return tl::unexpected(made.error());
+  if (auto ok = made->append(content); !ok) return ok;
+  return made->commit();
+}
+
+Expected<void> replace_file(const std::filesystem::path& file, std::string_view content) {
+  std::filesystem::path temporary;
+  const int descriptor = open_temporary(file, temporary);
+  if (descriptor < 0) return cannot_write(file, errno);
   int error = write_all(descriptor, content);
-  if (::close(descriptor) != 0 && error == 0) error = errno;
-  if (error == 0) error = rename_new(temporary, file);
+  if (const int closed = sync_and_close(descriptor); error == 0) error = closed;
+  if (error == 0 && ::rename(temporary.c_str(), file.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(temporary.c_str());
-    const Fault fault = error == EEXIST ? Fault::invalid : Fault::crashed;
-    return fail(fault, fmt::format("cannot write '{}': {}", file.string(), system_reason(error)));
+    return cannot_write(file, error);
   }
   sync_folder(file.parent_path());
   return {};
