@@ -54,11 +54,11 @@ inline constexpr std::array k_lcp_knobs = {
 
 // Variant `fast`.
 inline constexpr std::array k_fast_knobs = {
-    KnobRow{"substep_s", "s", 1.0 / 1920, 1.0 / 1920, 1e-6, 1, false,
+    KnobRow{"substep_s", "s", 1.0 / 5760, 1.0 / 5760, 1e-6, 1, false,
             "longest sub-step: a step is cut into equal parts no longer than this"},
     KnobRow{"contact_frequency_hz", "1/s", 1e9, 1e9, 1, 1e12, false,
             "stiffness of contacts; at most 1/8 of the sub-step rate is used"},
-    KnobRow{"damping_ratio", "1", 10, 10, 0, 1000, false, "of the contacts"},
+    KnobRow{"damping_ratio", "1", 5, 5, 0, 1000, false, "of the contacts"},
     KnobRow{"push_limit_mps", "m/s", 3, 3, 0, 100, false,
             "an overlap is never pushed out faster than this"},
     KnobRow{"margin_m", "m", 5e-4, 5e-4, 1e-9, 1e-1, false,

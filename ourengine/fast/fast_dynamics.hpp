@@ -26,7 +26,7 @@ struct FastOptions {
   double margin_m = 5e-4;  // as in DynamicsOptions
   // Stiffness of contacts: natural frequency, at most 1/8 of the sub-step rate, and damping ratio.
   double contact_hz = 1e9;
-  double damping_ratio = 10.0;
+  double damping_ratio = 5.0;
   double push_limit_mps = 3.0;
   double resting_approach_mps = 0.1;  // slower approaches do not bounce
   int threads = 1;                    // changes the time of a step, never its bits
