@@ -13,9 +13,9 @@ namespace brickbench {
 
 struct SweepOptions {
   unsigned jobs = 1;
-  Shard shard;
+  Shard shard = {};
   bool retry_failed = false;
-  Limits limits;
+  Limits limits = {};
 };
 
 struct SweepCallbacks {
