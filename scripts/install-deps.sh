@@ -33,6 +33,7 @@ build|libxxhash-dev|xxHash: hashes of states|xxhash.h
 build|libhwy-dev|Highway: SIMD kernels of our engine|hwy/highway.h
 build|zlib1g-dev|zlib: replays inside report pages|zlib.h
 build|libmetis-dev|METIS: orders our engine's sparse systems|metis.h
+build|libhdf5-dev|HDF5: recorded trajectories|hdf5.h,hdf5/serial/hdf5.h
 engines|libbullet-dev|Bullet, in double precision|bullet/btBulletDynamicsCommon.h
 engines|libode-dev|Open Dynamics Engine|ode/ode.h
 engines|libmujoco-dev|MuJoCo|mujoco/mujoco.h

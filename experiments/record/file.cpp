@@ -153,6 +153,29 @@ Expected<void> replace_file(const std::filesystem::path& file, std::string_view 
   return {};
 }
 
+Expected<std::filesystem::path> temporary_beside(const std::filesystem::path& file) {
+  if (std::filesystem::exists(std::filesystem::symlink_status(file))) {
+    return fail(Fault::invalid, fmt::format("'{}' exists already", file.string()));
+  }
+  std::filesystem::path temporary;
+  const int descriptor = open_temporary(file, temporary);
+  if (descriptor < 0) return cannot_write(file, errno);
+  ::close(descriptor);
+  return temporary;
+}
+
+Expected<void> publish(const std::filesystem::path& temporary, const std::filesystem::path& file) {
+  const int descriptor = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
+  int error = descriptor < 0 ? errno : sync_and_close(descriptor);
+  if (error == 0) error = rename_new(temporary, file);
+  if (error != 0) {
+    ::unlink(temporary.c_str());
+    return cannot_write(file, error);
+  }
+  sync_folder(file.parent_path());
+  return {};
+}
+
 Expected<std::string> read_file(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {

@@ -42,6 +42,14 @@ class NewFile {
   int descriptor_ = -1;
 };
 
+// For libraries that insist on a path: a new, empty file beside `file` under a temporary name. Faults
+// as of NewFile::create().
+Expected<std::filesystem::path> temporary_beside(const std::filesystem::path& file);
+
+// Brings the closed file `temporary` to the disk and gives it the name `file`, never in place of
+// another. On failure `temporary` is gone.
+Expected<void> publish(const std::filesystem::path& temporary, const std::filesystem::path& file);
+
 // The whole file as text; Fault::invalid with the system's reason if it cannot be read.
 Expected<std::string> read_file(const std::filesystem::path& file);
 
