@@ -54,10 +54,10 @@ inline constexpr std::array k_lcp_knobs = {
 
 // Variant `fast`.
 inline constexpr std::array k_fast_knobs = {
-    KnobRow{"substep_s", "s", 1.0 / 5760, 1.0 / 5760, 1e-6, 1, false,
+    KnobRow{"substep_s", "s", 1.0 / 4800, 1.0 / 4800, 1e-6, 1, false,
             "longest sub-step: a step is cut into equal parts no longer than this"},
     KnobRow{"contact_frequency_hz", "1/s", 1e9, 1e9, 1, 1e12, false,
-            "stiffness of contacts; at most 1/8 of the sub-step rate is used"},
+            "stiffness of contacts; at most one radian per sub-step is used"},
     KnobRow{"damping_ratio", "1", 5, 5, 0, 1000, false, "of the contacts"},
     KnobRow{"push_limit_mps", "m/s", 3, 3, 0, 100, false,
             "an overlap is never pushed out faster than this"},

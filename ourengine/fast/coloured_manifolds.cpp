@@ -134,6 +134,7 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
     put(point.row.arm_b, i, arm_b);
     point.mass[i] = present ? 1.0F : 0.0F;
     point.gap[i] = present ? static_cast<float>(manifold.gap_m[p]) : 0.0F;
+    point.gap_now[i] = point.gap[i];
     point.impulse[i] = present ? manifold.impulse[p] : 0.0F;
     point.bounce[i] = 0.0F;
     point.max_impulse[i] = 0.0F;

@@ -9,8 +9,8 @@
 namespace ourengine {
 namespace {
 
-// Contact frequency over sub-step rate above which the soft step is no longer a spring.
-constexpr double k_frequency_share = 0.125;
+// The stiffest contact that a sub-step still resolves: its phase advances by one radian.
+constexpr double k_phase_limit_rad = 1.0;
 // A struck body may in turn strike its neighbours within the step: contacts are looked up again
 // with the reach of the striker handed on, so often.
 constexpr int k_reach_passes = 3;
@@ -175,7 +175,7 @@ void FastDynamics::sweep(const SoftStep& step, bool biased, bool forwards) {
 SoftStep FastDynamics::soft_step() const {
   const double h = options_.step_s / options_.substeps;
   const double omega =
-      2.0 * std::numbers::pi * std::min(options_.contact_hz, k_frequency_share / h);
+      std::min(2.0 * std::numbers::pi * options_.contact_hz, k_phase_limit_rad / h);
   const double damping = 2.0 * options_.damping_ratio + h * omega;
   const double forget = 1.0 / (1.0 + h * omega * damping);
   return {static_cast<float>(h), static_cast<float>(omega / damping),

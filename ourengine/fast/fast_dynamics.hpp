@@ -24,7 +24,7 @@ struct FastOptions {
   int substeps = 4;
   Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
   double margin_m = 5e-4;  // as in DynamicsOptions
-  // Stiffness of contacts: natural frequency, at most 1/8 of the sub-step rate, and damping ratio.
+  // Stiffness of contacts: natural frequency, at most one radian per sub-step, and damping ratio.
   double contact_hz = 1e9;
   double damping_ratio = 5.0;
   double push_limit_mps = 3.0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 
 namespace ourengine {
 namespace {
@@ -19,6 +21,16 @@ std::vector<bool> fixed_flags(std::span<const BodyModel> bodies) {
   std::vector<bool> flags;
   for (const BodyModel& body : bodies) flags.push_back(body.fixed);
   return flags;
+}
+
+// How much fatter the boxes of the broad phase are: a few margins, or a tenth of the thinnest body,
+// so that debris leaves its box every few steps only.
+double slack_m(std::span<const BodyModel> bodies, double margin_m) {
+  double thinnest_m = std::numeric_limits<double>::infinity();
+  for (const BodyModel& body : bodies) {
+    if (!body.fixed) thinnest_m = std::min(thinnest_m, thickness_m(body.geometry));
+  }
+  return std::isfinite(thinnest_m) ? std::max(4.0 * margin_m, 0.1 * thinnest_m) : 4.0 * margin_m;
 }
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -91,7 +103,9 @@ void inherit(const SoftManifold& old, SoftManifold& made, double thin_m) {
 }  // namespace
 
 ManifoldSet::ManifoldSet(std::span<const BodyModel> bodies, double margin_m)
-    : bodies_(bodies), margin_m_(margin_m), broad_phase_(fixed_flags(bodies), 4.0 * margin_m) {
+    : bodies_(bodies),
+      margin_m_(margin_m),
+      broad_phase_(fixed_flags(bodies), slack_m(bodies, margin_m)) {
   for (const BodyModel& body : bodies) {
     thickness_m_.push_back(thickness_m(body.geometry));
     radius_m_.push_back(bounding_radius_m(body.geometry));

@@ -38,6 +38,7 @@ struct alignas(64) SoftPoint {
   SoftRow row;
   Lane mass;         // effective mass, kg; 0: no such point in this lane (1 before soft_prepare())
   Lane gap;          // m, at the start of the step
+  Lane gap_now;      // m, where the bodies are in the current sub-step
   Lane impulse;      // N s per sub-step, accumulated
   Lane bounce;       // m/s: velocity to leave with, 0 without restitution
   Lane max_impulse;  // largest impulse of the step
@@ -89,8 +90,9 @@ void soft_push(std::span<const SoftBatch> batches, std::span<SoftVector> change)
 void soft_push_scalar(std::span<const SoftBatch> batches, std::span<SoftVector> change);
 
 // One sweep over the batches of one colour. `biased` pushes overlaps apart; the relaxing sweep
-// after the positions have moved takes that velocity out again and applies friction. velocity,
-// moved: (bodies + 1); moved is displacement (m) and rotation (rad) since the step began.
+// after the positions have moved takes that velocity out again and finds the gaps anew, which the
+// next biased sweep uses too. velocity, moved: (bodies + 1); moved is displacement (m) and rotation
+// (rad) since the step began.
 void soft_sweep(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
                 std::span<SoftVector> velocity, std::span<const SoftVector> moved);
 void soft_sweep_scalar(std::span<SoftBatch> batches, const SoftStep& step, bool biased,

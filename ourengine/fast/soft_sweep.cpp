@@ -12,8 +12,18 @@ HWY_BEFORE_NAMESPACE();
 namespace ourengine {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool biased,
-                     const Pair& moved, Pair& v) {
+// Gap of the point where the bodies are now; kept for the biased sweep, which comes next.
+HWY_INLINE V find_gap(const SoftBatch& batch, SoftPoint& point, std::size_t i, const Pair& moved) {
+  const V shift = dot(load(batch.normal, i), minus(moved.linear_b, moved.linear_a));
+  const V gap = hn::Add(hn::Add(load(point.gap, i), shift), turning(point.row, i, moved));
+  store(gap, point.gap_now, i);
+  return gap;
+}
+
+// Returns the sum of the normal impulses. moved: unused by the biased sweep.
+template <bool biased>
+HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, const Pair& moved,
+                     Pair& v) {
   const D d;
   const V zero = hn::Zero(d);
   const Vector n = load(batch.normal, i);
@@ -26,12 +36,11 @@ HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool
   const V rate = hn::Set(d, step.bias_rate_hz);
   const V push = hn::Set(d, -step.push_limit_mps);
   V approach = dot(n, minus(v.linear_b, v.linear_a));
-  const V shift = dot(n, minus(moved.linear_b, moved.linear_a));
   V applied = zero;
   V sum = zero;
   for (int p = 0; p < batch.points; ++p) {
     SoftPoint& point = batch.point[static_cast<std::size_t>(p)];
-    const V gap = hn::Add(hn::Add(load(point.gap, i), shift), turning(point.row, i, moved));
+    const V gap = biased ? load(point.gap_now, i) : find_gap(batch, point, i, moved);
     const V speed = hn::Add(approach, turning(point.row, i, v));
     const auto open = hn::Gt(gap, zero);
     const V pushed = biased ? hn::Max(hn::Mul(rate, gap), push) : zero;
@@ -99,20 +108,36 @@ HWY_INLINE void twist(SoftBatch& batch, std::size_t i, V limit, Pair& v) {
   add(v.angular_b, load(batch.twist_b, i), hn::Sub(next, old));
 }
 
-void sweep(SoftBatch* batches, std::size_t count, const SoftStep& step, bool biased,
-           SoftVector* velocity, const SoftVector* moved, std::int32_t rest) {
+// Whether some lane carries load or has friction left to give back.
+HWY_INLINE bool rubs(const SoftBatch& batch, std::size_t i, V load_ns) {
+  const V friction = hn::Max(hn::Abs(load(batch.friction_impulse[0], i)),
+                             hn::Abs(load(batch.friction_impulse[1], i)));
+  const V any = hn::Max(hn::Max(load_ns, hn::Abs(load(batch.twist_impulse, i))), friction);
+  return !hn::AllTrue(D(), hn::Eq(any, hn::Zero(D())));
+}
+
+template <bool biased>
+HWY_INLINE void sweep_all(SoftBatch* batches, std::size_t count, const SoftStep& step,
+                          SoftVector* velocity, const SoftVector* moved, std::int32_t rest) {
   for (SoftBatch* batch = batches; batch != batches + count; ++batch) {
     for (std::size_t i = 0; i < k_lanes; i += hn::Lanes(D())) {
       Pair v = gather(velocity, *batch, i);
-      const Pair shift = gather(moved, *batch, i);
-      const V load_ns = normals(*batch, i, step, biased, shift, v);
-      const V limit = hn::Mul(load(batch->friction, i), load_ns);
-      tangents(*batch, i, limit, v);
-      twist(*batch, i, limit, v);
+      const V load_ns = normals<biased>(*batch, i, step, biased ? v : gather(moved, *batch, i), v);
+      if (rubs(*batch, i, load_ns)) {
+        const V limit = hn::Mul(load(batch->friction, i), load_ns);
+        tangents(*batch, i, limit, v);
+        twist(*batch, i, limit, v);
+      }
       scatter_side(velocity, batch->body_a.data() + i, rest, v.linear_a, v.angular_a);
       scatter_side(velocity, batch->body_b.data() + i, rest, v.linear_b, v.angular_b);
     }
   }
+}
+
+void sweep(SoftBatch* batches, std::size_t count, const SoftStep& step, bool biased,
+           SoftVector* velocity, const SoftVector* moved, std::int32_t rest) {
+  biased ? sweep_all<true>(batches, count, step, velocity, moved, rest)
+         : sweep_all<false>(batches, count, step, velocity, moved, rest);
 }
 
 }  // namespace HWY_NAMESPACE

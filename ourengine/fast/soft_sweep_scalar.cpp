@@ -53,7 +53,8 @@ float normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool biased
   float sum = 0.0F;
   for (int p = 0; p < batch.points; ++p) {
     SoftPoint& point = batch.point[static_cast<std::size_t>(p)];
-    const float gap = (point.gap[i] + shift) + turning(point.row, i, moved);
+    if (!biased) point.gap_now[i] = (point.gap[i] + shift) + turning(point.row, i, moved);
+    const float gap = point.gap_now[i];
     const float speed = approach + turning(point.row, i, v);
     float bias = gap * inverse_step;
     float mass_scale = 1.0F;

@@ -52,6 +52,7 @@ std::vector<SoftBatch> random_batches(std::mt19937_64& random, int count, int bo
       fill_row(point.row);
       fill(point.mass, 0.3F);
       for (float& gap : point.gap) gap = 0.01F * any(random);
+      for (float& gap : point.gap_now) gap = 0.01F * any(random);
       fill(point.impulse, 1.0F);
       point.bounce.fill(0.0F);
       point.max_impulse.fill(0.0F);
@@ -98,8 +99,10 @@ TEST(SoftSweep, SimdAndScalarTwinGiveTheSameNumbers) {
         0)
         << "round " << round;
     for (std::size_t b = 0; b < simd.size(); ++b) {
-      for (std::size_t p = 0; p < k_soft_points; ++p)
+      for (std::size_t p = 0; p < k_soft_points; ++p) {
         ASSERT_EQ(simd[b].point[p].impulse, scalar[b].point[p].impulse);
+        ASSERT_EQ(simd[b].point[p].gap_now, scalar[b].point[p].gap_now);
+      }
       ASSERT_EQ(simd[b].friction_impulse[0], scalar[b].friction_impulse[0]);
       ASSERT_EQ(simd[b].twist_impulse, scalar[b].twist_impulse);
     }
