@@ -13,15 +13,39 @@ std::string text_of(const ParameterValue& value) {
   return number != nullptr ? shortest(*number) : std::get<std::string>(value);
 }
 
-// All combinations of the axes, the last axis fastest.
-std::vector<ParameterValues> product(const std::vector<Axis>& axes) {
-  std::vector<ParameterValues> points = {{}};
+// The axes that advance together, in the place of the first of them; alone where none does.
+std::vector<std::vector<const Axis*>> groups(const std::vector<Axis>& axes,
+                                             const std::vector<std::vector<std::string>>& zip) {
+  std::vector<std::vector<const Axis*>> result;
   for (const Axis& axis : axes) {
+    const auto zipped = std::ranges::find_if(zip, [&](const std::vector<std::string>& names) {
+      return std::ranges::find(names, axis.name) != names.end();
+    });
+    if (zipped == zip.end()) {
+      result.push_back({&axis});
+      continue;
+    }
+    const auto together = std::ranges::find_if(result, [&](const auto& group) {
+      return std::ranges::find(*zipped, group.front()->name) != zipped->end();
+    });
+    if (together == result.end())
+      result.push_back({&axis});
+    else
+      together->push_back(&axis);
+  }
+  return result;
+}
+
+// All combinations of the axes, the last axis fastest.
+std::vector<ParameterValues> product(const std::vector<Axis>& axes,
+                                     const std::vector<std::vector<std::string>>& zip = {}) {
+  std::vector<ParameterValues> points = {{}};
+  for (const auto& group : groups(axes, zip)) {
     std::vector<ParameterValues> longer;
     for (const ParameterValues& point : points) {
-      for (const ParameterValue& value : axis.values) {
+      for (std::size_t i = 0; i < group.front()->values.size(); ++i) {
         longer.push_back(point);
-        longer.back().emplace(axis.name, value);
+        for (const Axis* axis : group) longer.back().emplace(axis->name, axis->values[i]);
       }
     }
     points = std::move(longer);
@@ -93,7 +117,7 @@ void expand_experiment(const Experiment& experiment, const Catalogues& catalogue
                        std::vector<Cell>& cells) {
   const Scenario& scenario = *find_scenario(catalogues, experiment.scenario);
   const std::vector<Contestant> engines = contestants(experiment, catalogues);
-  for (const ParameterValues& point : product(experiment.parameters)) {
+  for (const ParameterValues& point : product(experiment.parameters, experiment.zip)) {
     const auto complete_point = complete(scenario, point);
     if (!complete_point) reject(experiment.parameters_at, complete_point.error().reason);
     bool wanted = false;

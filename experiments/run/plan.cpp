@@ -8,14 +8,15 @@
 
 #include "experiments/record/file.hpp"
 #include "experiments/run/override.hpp"
+#include "experiments/run/range.hpp"
 
 namespace brickbench {
 namespace {
 
 const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment", "bench"};
 const std::vector<std::string> k_experiment_keys = {
-    "name",       "scenario", "engines", "step_s", "duration_s", "time_limit_s",
-    "parameters", "seeds",    "perturb", "except", "expect",     "metrics"};
+    "name", "scenario", "engines", "step_s", "duration_s", "time_limit_s", "parameters",
+    "zip",  "seeds",    "perturb", "except", "expect",     "metrics"};
 const std::vector<std::string> k_outcomes = {"refused", "invalid",   "diverged",
                                              "crashed", "timed_out", "out_of_memory"};
 // The largest relative distance of duration / step from a whole number: rounding of 2 / (1/240).
@@ -55,7 +56,12 @@ ParameterValue parameter_value(const Scenario& scenario, const Parameter& parame
 template <typename Convert>
 Axis axis(const std::string& name, const Value& value, const Convert& convert) {
   Axis result{.name = name, .values = {}, .at = value.at};
-  for (const Value* item : one_or_more(value, name)) {
+  Value listed;
+  if (value.kind == ValueKind::table) {
+    listed.kind = ValueKind::array;
+    listed.items = range_values(value, name);
+  }
+  for (const Value* item : one_or_more(value.kind == ValueKind::table ? listed : value, name)) {
     ParameterValue converted = convert(*item);
     if (std::ranges::find(result.values, converted) != result.values.end()) {
       reject(item->at, fmt::format("{} lists the same value twice", name));
@@ -76,6 +82,34 @@ std::vector<Axis> parameter_axes(const Scenario& scenario, const Value& table) {
     }));
   }
   return axes;
+}
+
+// Groups of axes of equal length, each axis in one group at most.
+std::vector<std::vector<std::string>> zip_groups(const Value& list, const std::vector<Axis>& axes) {
+  std::vector<std::vector<std::string>> groups;
+  std::set<std::string> used;
+  for (const Value& item : expect(list, "zip", ValueKind::array).items) {
+    std::vector<std::string> group;
+    std::size_t length = 0;
+    for (const Value& word : expect(item, "an entry of zip", ValueKind::array).items) {
+      const std::string& name = filled_text(word, "an entry of zip");
+      const auto found = std::ranges::find(axes, name, &Axis::name);
+      if (found == axes.end()) {
+        reject(word.at, fmt::format("zip: parameters has no '{}'{}", name,
+                                    known_names(name, names_of(axes))));
+      }
+      if (!used.insert(name).second) reject(word.at, fmt::format("zip names '{}' twice", name));
+      if (length == 0) length = found->values.size();
+      if (found->values.size() != length) {
+        reject(word.at, fmt::format("zip: {} has {} values, {} has {}", group.front(), length, name,
+                                    found->values.size()));
+      }
+      group.push_back(name);
+    }
+    if (group.size() < 2) reject(item.at, "an entry of zip needs two names or more");
+    groups.push_back(std::move(group));
+  }
+  return groups;
 }
 
 std::vector<Axis> knob_axes(const Value& table, const Selector& selector,
@@ -293,6 +327,7 @@ Experiment experiment(const Value& table, const Catalogues& catalogues) {
     result.parameters = parameter_axes(scenario, *parameters);
     result.parameters_at = parameters->at;
   }
+  if (const Value* zip = table.find("zip")) result.zip = zip_groups(*zip, result.parameters);
   const Value* seeds = table.find("seeds");
   const Value* perturb = table.find("perturb");
   if (seeds != nullptr && perturb == nullptr) {

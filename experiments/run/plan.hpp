@@ -53,6 +53,8 @@ struct Experiment {
   double duration_s = 0.0;
   double time_limit_s = 0.0;  // CPU time of a cell; 0: none
   std::vector<Axis> parameters;
+  // Groups of names of parameters that take their values together, first with first and so on.
+  std::vector<std::vector<std::string>> zip;
   std::vector<std::uint64_t> seeds = {0};  // 0: unperturbed
   Perturbation perturb;
   std::vector<Rule> except;

@@ -57,6 +57,25 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"unknown_top_key", "titel = \"t\"\n", "p.toml:1:1:", "did you mean 'title'?"},
         BadInput{"unknown_key", with("stepp_s = 1"), "p.toml:8:1:", "did you mean 'step_s'?"},
         BadInput{"duplicate_key", with("step_s = 1"), "p.toml:8:10:", "step_s"},
+        BadInput{"range_without_count", with("parameters = { mass_kg = { from = 1, to = 2 } }"),
+                 "p.toml:8:26:", "needs 'count'"},
+        BadInput{"range_of_one", with("parameters = { mass_kg = { from = 1, to = 2, count = 1 } }"),
+                 "p.toml:8:54:", "must be from 2"},
+        BadInput{
+            "range_beyond_log",
+            with("parameters = { push_ns = { from = 0, to = 2, count = 3, scale = \"log\" } }"),
+            "p.toml:8:26:", "must be positive"},
+        BadInput{"range_of_parts", with("parameters = { balls = { from = 1, to = 2, count = 3 } }"),
+                 "p.toml:8:24:", "a whole number"},
+        BadInput{"range_key", with("parameters = { mass_kg = { from = 1, to = 2, cuont = 3 } }"),
+                 "p.toml:8:46:", "did you mean 'count'?"},
+        BadInput{"zip_of_unequal",
+                 with("parameters = { balls = [1, 2], mass_kg = [1.0] }\n"
+                      "zip = [[\"balls\", \"mass_kg\"]]"),
+                 "p.toml:9:18:", "balls has 2 values, mass_kg has 1"},
+        BadInput{"zip_unknown",
+                 with("parameters = { balls = [1, 2] }\nzip = [[\"balls\", \"bals\"]]"),
+                 "p.toml:9:18:", "did you mean 'balls'?"},
         BadInput{"no_scenario", plan_text("engines = [\"good\"]\nstep_s = 1\n"),
                  "p.toml:3:1:", "'scenario'"},
         BadInput{"unknown_scenario", plan_text("scenario = \"fal\"\n"),
@@ -144,6 +163,41 @@ TEST(Plan, CellsComeInTheStatedOrder) {
                         "balls=3;mass_kg=1 0.05 nan/fancy\n"
                         "balls=4;mass_kg=1 0.1 good/plain\n"))
       << order;
+}
+
+TEST(Plan, RangesHaveBothEndsAndTheStatedSpacing) {
+  const auto masses = [](const std::string& range) {
+    std::vector<double> values;
+    const auto cells = cells_of(with("parameters = { mass_kg = " + range + " }"));
+    EXPECT_TRUE(cells.has_value()) << cells.error().text();
+    for (const Cell& cell : *cells) values.push_back(number(cell.parameters, "mass_kg"));
+    return values;
+  };
+  EXPECT_EQ(masses("{ from = 1, to = 0.5, count = 6 }"),
+            (std::vector<double>{1.0, 0.9, 0.8, 0.7, 0.6, 0.5}));
+  EXPECT_EQ(masses("{ from = 0.001, to = 1000, count = 7, scale = \"log\" }"),
+            (std::vector<double>{0.001, 0.01, 0.1, 1.0, 10.0, 100.0, 1000.0}));
+  const auto balls = cells_of(with("parameters = { balls = { from = 1, to = 9, count = 3 } }"));
+  ASSERT_TRUE(balls.has_value()) << balls.error().text();
+  EXPECT_EQ(balls->at(1).axes, "balls=5");
+  const auto steps =
+      cells_of(plan_text("scenario = \"fall\"\nengines = [\"good\"]\nduration_s = 0.1\n"
+                         "step_s = { from = 0.001, to = 0.1, count = 3, scale = \"log\" }\n"));
+  ASSERT_TRUE(steps.has_value()) << steps.error().text();
+  EXPECT_EQ(steps->at(1).step_s, 0.01);
+}
+
+TEST(Plan, ZippedAxesAdvanceTogether) {
+  const auto cells = cells_of(
+      with("parameters = { balls = [1, 2, 3], push_ns = [0.0, 1.0], mass_kg = [1.0, 2.0, 3.0] }\n"
+           "zip = [[\"balls\", \"mass_kg\"]]"));
+  ASSERT_TRUE(cells.has_value()) << cells.error().text();
+  std::vector<std::string> axes;
+  for (const Cell& cell : *cells) axes.push_back(cell.axes);
+  EXPECT_EQ(axes, (std::vector<std::string>{
+                      "balls=1;mass_kg=1;push_ns=0", "balls=1;mass_kg=1;push_ns=1",
+                      "balls=2;mass_kg=2;push_ns=0", "balls=2;mass_kg=2;push_ns=1",
+                      "balls=3;mass_kg=3;push_ns=0", "balls=3;mass_kg=3;push_ns=1"}));
 }
 
 TEST(Plan, SelectorsMeanWhatTheySay) {
