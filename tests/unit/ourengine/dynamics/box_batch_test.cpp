@@ -64,7 +64,9 @@ void compare(const Scene& scene, double margin_m) {
   }
   EXPECT_EQ(other_axis, 0);
   EXPECT_TRUE(worst.within(k_gap));
-  if (margin_m > 1.0) EXPECT_GT(*std::max_element(seen.begin() + 6, seen.end()), 0) << "edges";
+  if (margin_m > 1.0) {
+    EXPECT_GT(*std::max_element(seen.begin() + 6, seen.end()), 0) << "edges";
+  }
   for (std::size_t axis = 0; axis < 6; ++axis) EXPECT_GT(seen[axis], 0) << "axis " << axis;
 }
 
