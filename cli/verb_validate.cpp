@@ -5,8 +5,8 @@
 
 #include "cli/build_facts.hpp"
 #include "cli/terminal.hpp"
+#include "cli/validate_scenes.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/exact/metamorphic.hpp"
 #include "experiments/exact/order.hpp"
 #include "experiments/exact/validate.hpp"
 #include "experiments/record/csv.hpp"
@@ -22,7 +22,8 @@ struct ValidateOptions {
   std::string cases = "all";
   bool predict = false;
   bool order = false;
-  std::string symmetry;  // a scene whose images are compared; empty: none
+  std::string symmetry;     // a scene, or all, whose images are compared; empty: none
+  std::string stable_step;  // a scene at rest; empty: none
   bool json = false;
 };
 
@@ -185,58 +186,6 @@ int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& cata
   return k_exit_fine;
 }
 
-Json symmetry_json(const exact::MetamorphicResult& result, const EngineVariant& engine) {
-  auto growth = Json::array();
-  for (const exact::GrowthSample& sample : result.growth) {
-    growth.push_back({{"time_s", sample.time_s}, {"difference_m", number(sample.difference_m)}});
-  }
-  return {{"id", engine.label() + ':' + result.symmetry},
-          {"outcome", result.outcome},
-          {"reason", result.reason},
-          {"rate_per_s", number(result.rate_per_s)},
-          {"growth", growth}};
-}
-
-// Scenes against their images: how far they part, and how fast.
-int compare_symmetries(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
-                       const ValidateOptions& options) {
-  const Scenario* scenario = find_scenario(catalogues, options.symmetry);
-  if (scenario == nullptr) {
-    return complain(
-        fmt::format("no scene '{}': one of `brickbench list scenarios`", options.symmetry));
-  }
-  const auto scene = build(*scenario, {});
-  if (!scene) return complain(scene.error().reason);
-  constexpr double k_step_s = 0.002, k_time_s = 1.0;
-  const auto steps = static_cast<std::size_t>(k_time_s / k_step_s);
-  auto results = Json::array();
-  if (!options.json) {
-    fmt::print("{:<18} {:<22} {:>12} {:>12} {:>10}\n", "engine", "image", "after 1/16",
-               "at the end", "rate 1/s");
-  }
-  for (const EngineVariant& engine : engines) {
-    Settings settings;
-    settings.step_s = k_step_s;
-    settings.variant = engine.variant;
-    for (const exact::Symmetry& symmetry : exact::symmetries()) {
-      const auto result = exact::compare_image(*find_adapter(catalogues, engine.engine), settings,
-                                               scene->world, symmetry, steps);
-      if (options.json) {
-        results.push_back(symmetry_json(result, engine));
-      } else if (result.outcome != "ok") {
-        fmt::print("{:<18} {:<22} {}: {}\n", engine.label(), symmetry.name, result.outcome,
-                   result.reason);
-      } else {
-        fmt::print("{:<18} {:<22} {:>12.3g} {:>12.3g} {:>10.3g}\n", engine.label(), symmetry.name,
-                   result.growth.front().difference_m, result.growth.back().difference_m,
-                   result.rate_per_s);
-      }
-    }
-  }
-  if (options.json) fmt::print("{}\n", results.dump(2));
-  return k_exit_fine;
-}
-
 int validate(const ValidateOptions& options) {
   const Catalogues catalogues = all_catalogues();
   std::vector<EngineVariant> engines;
@@ -253,7 +202,12 @@ int validate(const ValidateOptions& options) {
     return complain(fmt::format("no case '{}': all, family.* or one of `brickbench list cases`",
                                 options.cases));
   }
-  if (!options.symmetry.empty()) return compare_symmetries(engines, catalogues, options);
+  if (!options.symmetry.empty()) {
+    return compare_symmetries(engines, catalogues, options.symmetry, options.json);
+  }
+  if (!options.stable_step.empty()) {
+    return search_stable_steps(engines, catalogues, options.stable_step, options.json);
+  }
   if (options.order) return fit_orders(engines, catalogues, cases, options.json);
   if (options.predict) {
     print_predictions(engines, catalogues, cases);
@@ -314,7 +268,9 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
   verb->add_flag("--order", options->order,
                  "Fit the order of convergence of the first observable on a ladder of steps");
   verb->add_option("--symmetry", options->symmetry,
-                   "Compare a scene with its mirrored, turned, shifted and scaled images");
+                   "Compare a scene, or all, with its mirrored, turned, shifted and scaled images");
+  verb->add_option("--stable-step", options->stable_step,
+                   "Find the largest step that keeps a scene at rest standing for 2 s");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = validate(*options); });
 }

@@ -1,12 +1,16 @@
 // The judge's own tools: audit, order fit, images of scenes, selection of cases.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "experiments/exact/audit.hpp"
 #include "experiments/exact/builders.hpp"
 #include "experiments/exact/metamorphic.hpp"
 #include "experiments/exact/order.hpp"
+#include "experiments/exact/stable_step.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 
@@ -122,6 +126,54 @@ TEST(Selection, KnowsAllFamiliesAndIds) {
   EXPECT_EQ(select_cases(cases, "rolling.*").size(), 4u);
   EXPECT_EQ(select_cases(cases, "impact.cradle").size(), 1u);
   EXPECT_TRUE(select_cases(cases, "impact").empty());
+}
+
+// Keeps its bodies where they are with steps up to `limit_s`, and moves them by 1 m otherwise.
+constexpr double k_limit_s = 0.0123;
+class Holder final : public Simulation {
+ public:
+  Holder(const World& world, double step_s) : step_s_(step_s) {
+    for (const Body& body : world.bodies) states_.push_back(body.initial);
+  }
+  void apply(std::span<const Wrench>) override {}
+  Expected<void> step() override {
+    if (step_s_ > k_limit_s) states_[0].position_m.x() += 1.0;
+    return {};
+  }
+  void read(std::span<State> states) const override { std::ranges::copy(states_, states.begin()); }
+
+ private:
+  double step_s_ = 0.0;
+  std::vector<State> states_;
+};
+
+// The bracket holds the limit and is as narrow as asked, from below and from above.
+TEST(StableStep, BracketHoldsTheLimit) {
+  Adapter adapter;
+  adapter.name = "holder";
+  adapter.variants = {{.name = "holder", .meaning = ""}};
+  adapter.build = [](const World& world,
+                     const Settings& settings) -> Expected<std::unique_ptr<Simulation>> {
+    return std::make_unique<Holder>(world, settings.step_s);
+  };
+  World world;
+  world.bodies.push_back(solid_body("brick", BoxShape{{0.1, 0.05, 0.05}}, 2000.0, State{}));
+  StableStepSearch search;
+  search.drift_limit_m = quarter_of_smallest_m(world);
+  EXPECT_EQ(search.drift_limit_m, 0.025);
+  Settings settings;
+  settings.variant = "holder";
+  for (const double first_s : {1e-3, 0.1}) {
+    search.first_s = first_s;
+    const StableStep found = largest_stable_step(adapter, settings, world, search);
+    EXPECT_EQ(found.outcome, "ok") << found.reason;
+    EXPECT_LE(found.stable_s, k_limit_s);
+    EXPECT_GT(found.unstable_s, k_limit_s);
+    EXPECT_LE(found.unstable_s, 1.02 * found.stable_s);
+    EXPECT_NE(found.failure.find("'brick' is 1 m"), std::string::npos) << found.failure;
+  }
+  world.bodies[0].initial.velocity_mps.x() = 1.0;
+  EXPECT_NE(largest_stable_step(adapter, settings, world, search).outcome, "ok");
 }
 
 }  // namespace
