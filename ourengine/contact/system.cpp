@@ -4,8 +4,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <tuple>
+#include <compare>
+#include <cstdint>
+#include <utility>
 
 namespace ourengine {
 namespace {
@@ -38,10 +39,22 @@ void store_block(double linear, const Eigen::Matrix3d& angular, double* block) {
   }
 }
 
-Velocity6 row_of(const Eigen::Vector3d& arm, const Eigen::Vector3d& direction) {
-  Velocity6 row;
-  row << direction, arm.cross(direction);
-  return row;
+// One side of a row of J and of M^-1 J^T; returns their product. inverse: a block of M^-1.
+double fill_row(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
+                const double* inverse, double* row, double* inverse_row) {
+  double product = 0.0;
+  for (int r = 0; r < 3; ++r) {
+    row[r] = linear[r];
+    inverse_row[r] = inverse[0] * linear[r];
+    product += inverse_row[r] * linear[r];
+  }
+  for (int r = 0; r < 3; ++r) {
+    row[3 + r] = angular[r];
+    inverse_row[3 + r] = inverse[24 + 3 + r] * angular[0] + inverse[32 + 3 + r] * angular[1] +
+                         inverse[40 + 3 + r] * angular[2];
+    product += inverse_row[3 + r] * angular[r];
+  }
+  return product;
 }
 
 }  // namespace
@@ -102,21 +115,35 @@ void ContactSystem::fill_bodies(const ContactProblem& problem) {
   }
 }
 
+// Contacts by pair of bodies, in the caller's order within a pair.
 void ContactSystem::order_contacts(const ContactProblem& problem) {
+  struct Key {
+    std::uint64_t pair;
+    int contact;
+    auto operator<=>(const Key&) const = default;
+  };
   const auto slots = [&](int i) {
     const ProblemContact& c = problem.contacts[at(i)];
-    return std::tuple(slot_[at(c.body_a)], slot_[at(c.body_b)]);
+    return std::pair(slot_[at(c.body_a)], slot_[at(c.body_b)]);
   };
+  std::vector<Key> keys;
+  keys.reserve(problem.contacts.size());
   for (int i = 0; i < static_cast<int>(problem.contacts.size()); ++i) {
     const auto [a, b] = slots(i);
-    if (a < view_.bodies || b < view_.bodies) contact_order_.push_back(i);
+    if (a == view_.bodies && b == view_.bodies) continue;
+    keys.push_back({static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b), i});
   }
-  std::stable_sort(contact_order_.begin(), contact_order_.end(),
-                   [&](int i, int j) { return slots(i) < slots(j); });
-  sweep_order_.resize(contact_order_.size());
-  std::iota(sweep_order_.begin(), sweep_order_.end(), 0);
-  std::sort(sweep_order_.begin(), sweep_order_.end(),
-            [&](int i, int j) { return contact_order_[at(i)] < contact_order_[at(j)]; });
+  std::sort(keys.begin(), keys.end());
+  contact_order_.reserve(keys.size());
+  std::vector<int> internal(problem.contacts.size(), -1);
+  for (const Key& key : keys) {
+    internal[at(key.contact)] = static_cast<int>(contact_order_.size());
+    contact_order_.push_back(key.contact);
+  }
+  sweep_order_.reserve(keys.size());
+  for (const int i : internal) {
+    if (i >= 0) sweep_order_.push_back(i);
+  }
   view_.contacts = static_cast<int>(contact_order_.size());
   view_.stride = (view_.contacts + 7) / 8 * 8;
   for (int i = 0; i < view_.contacts; ++i) {
@@ -158,26 +185,24 @@ void ContactSystem::fill_contact(const ContactProblem& problem, int internal) {
   }
   bias_[i] = normal_bias_mps(contact, problem.step_s, problem.recovery_mps);
   for (int k = 0; k < components(); ++k) {
-    const Velocity6 parts[2] = {-row_of(contact.arm_a_m, *frame[k]),
-                                row_of(contact.arm_b_m, *frame[k])};
+    const Eigen::Vector3d& direction = *frame[k];
+    const Eigen::Vector3d moments[2] = {contact.arm_a_m.cross(direction),
+                                        contact.arm_b_m.cross(direction)};
     double diagonal = 0.0;
     for (int side = 0; side < 2; ++side) {
-      const int body = side == 0 ? contact.body_a : contact.body_b;
+      const double sign = side == 0 ? -1.0 : 1.0;
       if (slots[side] == view_.bodies) {  // fixed: a prescribed velocity is part of the bias
-        const double moved = parts[side].dot(problem.free_velocity[at(body)]);
+        const int body = side == 0 ? contact.body_a : contact.body_b;
+        Velocity6 part;
+        part << sign * direction, sign * moments[side];
+        const double moved = part.dot(problem.free_velocity[at(body)]);
         (k == 0 ? bias_[i] : tangent_bias_[at(k - 1) * n + i]) += moved;
         continue;
       }
       const std::size_t offset = 16 * (i * at(components()) + at(k)) + at(8 * side);
-      std::copy_n(parts[side].data(), 6, rows_.data() + offset);
-      const double* inverse = inverse_mass_.data() + at(kBlockSize) * at(slots[side]);
-      for (int r = 0; r < 6; ++r) {
-        double sum = 0.0;
-        for (int c = r < 3 ? r : 3; c < (r < 3 ? r + 1 : 6); ++c)
-          sum += inverse[8 * c + r] * parts[side][c];
-        inverse_rows_[offset + at(r)] = sum;
-        diagonal += sum * parts[side][r];
-      }
+      diagonal += fill_row(sign * direction, sign * moments[side],
+                           inverse_mass_.data() + at(kBlockSize) * at(slots[side]),
+                           rows_.data() + offset, inverse_rows_.data() + offset);
     }
     if (k == 0) delassus_[i] = diagonal;
   }
