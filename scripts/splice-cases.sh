@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-die() { echo "splice-cases: $*" >&2; exit 2; }
+source scripts/splice.sh
 
 program=${1:-build/release/brickbench}
 shift || true
@@ -13,11 +13,7 @@ selectors=("$@")
 if [ ${#selectors[@]} -eq 0 ]; then selectors=(all ourengine/fast ourengine/baraff); fi
 page=docs/cases.md
 if [ ! -x "$program" ]; then die "there is no program $program"; fi
-for marker in BEGIN END; do
-  if [ "$(grep -c "^<!-- $marker measured" $page)" -ne 1 ]; then
-    die "$page must have one line '<!-- $marker measured -->'"
-  fi
-done
+need_markers $page measured
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -26,7 +22,6 @@ for selector in "${selectors[@]}"; do options+=(--engine "$selector"); done
 "$program" validate "${options[@]}" >"$scratch/table" 2>/dev/null || [ $? -eq 1 ] ||
   die "validate did not run"
 versions=$("$program" list engines | sed -n 's/^\([a-z]*\): \(.*\)$/\1 \2/p' | paste -sd ';' | sed 's/;/; /g')
-measured="Measured $(date -u +%Y-%m-%d), revision $(git rev-parse --short HEAD): $versions."
 
 # A line of the table: case, engine, verdict, error, explained, unexplained, how to run it again.
 # ok: follows its scheme; open: nothing predicts it; beyond: an open question.
@@ -35,11 +30,8 @@ awk '$1 ~ /^[a-z_]+\.[a-z0-9_]+$/ && $2 ~ "/" {
   "$scratch/table" >"$scratch/lines"
 if [ ! -s "$scratch/lines" ]; then die "validate printed no cases"; fi
 
-MEASURED=$measured awk -F '\t' '
+awk -F '\t' '
   FNR == NR { lines[$1] = lines[$1] $2 "\n"; next }
-  /^<!-- BEGIN measured/ { print; print ""; print ENVIRON["MEASURED"]; print ""; skip = 1; next }
-  /^<!-- END measured/ { skip = 0 }
-  skip { next }
   /^## [a-z_]+\.[a-z0-9_]+:/ { id = $0; sub(/^## /, "", id); sub(/:.*/, "", id) }
   /^\| engine \| / && id != "" {
     if (!(id in lines)) { print "no measurement of " id > "/dev/stderr"; exit 1 }
@@ -53,4 +45,5 @@ MEASURED=$measured awk -F '\t' '
   END { for (id in lines) if (!(id in done_with)) { print "no section for " id > "/dev/stderr"; exit 1 } }
 ' "$scratch/lines" $page >"$scratch/page" || die "$page and the catalogue differ"
 cat "$scratch/page" >$page
+put $page measured <<<"$(measured "$program") $versions."
 echo "splice-cases: $page has $(wc -l <"$scratch/lines") measured cells"

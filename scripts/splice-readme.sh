@@ -4,17 +4,12 @@
 # retyped; README.md stays as it was if the report lacks a column.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/splice.sh
 columns='energy_final_j,energy_created_j,linear_momentum_error_relative,penetration_max_m,bricks_displaced,median ms'
-
-die() { echo "splice-readme: $*" >&2; exit 2; }
 
 report=${1:?usage: scripts/splice-readme.sh RESULTS-FOLDER}/report.md
 if [ ! -r "$report" ]; then die "there is no $report"; fi
-for marker in BEGIN END; do
-  if [ "$(grep -c "^<!-- $marker results" README.md)" -ne 1 ]; then
-    die "README.md must have one line '<!-- $marker results -->'"
-  fi
-done
+need_markers README.md results
 
 table=$(awk -F '|' -v wanted="$columns" '
   function trimmed(text) { gsub(/^ +| +$/, "", text); return text }
@@ -55,11 +50,5 @@ table=$(awk -F '|' -v wanted="$columns" '
     print "\nBest in bold, worst in italics; measured " made
   }' "$report") || die "$report has no scene with the columns $columns"
 
-new=$(mktemp README.XXXXXX)
-trap 'rm -f "$new"' EXIT
-TABLE=$table awk '
-  /^<!-- BEGIN results/ { print; print ""; print ENVIRON["TABLE"]; print ""; skip = 1; next }
-  /^<!-- END results/ { skip = 0 }
-  !skip' README.md >"$new"
-cat "$new" >README.md
+put README.md results <<<"$table"
 echo "splice-readme: README.md has the numbers of $report"

@@ -4,16 +4,12 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-die() { echo "splice-scatter: $*" >&2; exit 2; }
+source scripts/splice.sh
 
 rows=${1:?usage: scripts/splice-scatter.sh RESULTS-FOLDER}/rows.csv
 page=docs/wall.md
 if [ ! -r "$rows" ]; then die "there is no $rows"; fi
-for marker in BEGIN END; do
-  if [ "$(grep -c "^<!-- $marker scatter" $page)" -ne 1 ]; then
-    die "$page must have one line '<!-- $marker scatter -->'"
-  fi
-done
+need_markers $page scatter
 
 table=$(awk -F, '
   { gsub(/"[^"]*"/, "quoted") }
@@ -42,11 +38,5 @@ table=$(awk -F, '
     if (!engines) exit 1
   }' "$rows") || die "$rows has no perturbed runs"
 
-new=$(mktemp docs/wall.XXXXXX)
-trap 'rm -f "$new"' EXIT
-TABLE=$table awk '
-  /^<!-- BEGIN scatter/ { print; print ""; print ENVIRON["TABLE"]; print ""; skip = 1; next }
-  /^<!-- END scatter/ { skip = 0 }
-  !skip' $page >"$new"
-cat "$new" >$page
+put $page scatter <<<"$table"
 echo "splice-scatter: $page has the numbers of $rows"
