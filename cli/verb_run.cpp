@@ -38,7 +38,7 @@ std::string cell_label(const Cell& cell) {
 }
 
 RunResult run_with_progress(const std::vector<Cell>& cells, const Catalogues& catalogues,
-                            const Machine& machine) {
+                            const Machine& machine, const std::filesystem::path& folder) {
   Progress progress(cells.size());
   RunCallbacks callbacks;
   callbacks.cell_begins = [&](const Cell& cell, std::size_t) { progress.begin(cell_label(cell)); };
@@ -51,7 +51,19 @@ RunResult run_with_progress(const std::vector<Cell>& cells, const Catalogues& ca
                              done.reason.empty() ? "" : ": ", done.reason,
                              duration_text(done.wall_s)));
   };
-  return run_cells(cells, catalogues, {machine.revision, machine.label()}, callbacks);
+  return run_cells(cells, catalogues, {machine.revision, machine.label()}, callbacks, folder);
+}
+
+// How many trajectories that were asked for are missing; the reasons go to stderr.
+std::size_t count_unrecorded(const RunResult& result) {
+  std::size_t count = 0;
+  for (const CellOutcome& cell : result.cells) {
+    if (cell.unrecorded.empty()) continue;
+    ++count;
+    fmt::print(stderr, "brickbench: {}: not recorded: {}\n", cell_label(cell.cell),
+               cell.unrecorded);
+  }
+  return count;
 }
 
 template <typename Record>
@@ -139,6 +151,7 @@ int run(const RunOptions& options, const Invocation& invocation) {
   if (!plan) return complain(plan.error().text(), k_exit_bad_input);
   const auto cells = expand(*plan, catalogues);
   if (!cells) return complain(cells.error().text(), k_exit_bad_input);
+  if (auto ok = check_recordable(*cells); !ok) return complain(ok.error());
 
   const std::filesystem::path folder =
       options.out.empty() ? next_results_folder(plan->name) : std::filesystem::path(options.out);
@@ -147,7 +160,7 @@ int run(const RunOptions& options, const Invocation& invocation) {
   Provenance provenance = provenance_of(*plan, catalogues);
   provenance.command = shell_command(invocation.arguments);
   provenance.date_utc = now_utc();
-  const RunResult result = run_with_progress(*cells, catalogues, provenance.machine);
+  const RunResult result = run_with_progress(*cells, catalogues, provenance.machine, folder);
 
   if (auto ok = write_results(folder, *plan, result, provenance); !ok) return complain(ok.error());
   const std::string report = markdown_report({result.rows, result.timings, &provenance});
@@ -156,7 +169,7 @@ int run(const RunOptions& options, const Invocation& invocation) {
     print_json(folder, *plan, result);
   else
     print_tables(folder, result);
-  return exit_code(result);
+  return count_unrecorded(result) > 0 ? k_exit_infrastructure : exit_code(result);
 }
 
 }  // namespace

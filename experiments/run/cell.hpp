@@ -1,6 +1,7 @@
 // Cell: one run of one scene in one engine: the unit of work, of failure and of resumption.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,12 +25,16 @@ struct Cell {
   std::string axes;              // what the plan says: "name=value;name=value", sorted by name
   std::string excluded_why;      // not empty: the plan leaves this cell out
   std::string expected_outcome;  // not empty: the plan expects this instead of ok
+  std::optional<Recording> recording;  // none: the motion is not recorded; no part of the key
 };
 
 // All cells of the plan, in its order: experiment, then parameters (in the order of the file, the
 // last one fastest), step, seed, engine (fastest), knobs. An InputError if a combination of
 // parameters that is not left out makes no scene.
 Checked<std::vector<Cell>> expand(const Plan& plan, const Catalogues& catalogues);
+
+// The quantities that a rule may name, with the cell's values.
+ParameterValues quantities(const Cell& cell, const Catalogues& catalogues);
 
 // duration / step, rounded; the plan's reader has checked that it is whole.
 std::uint64_t step_count(const Cell& cell);

@@ -77,19 +77,6 @@ std::vector<Contestant> contestants(const Experiment& experiment, const Catalogu
   return result;
 }
 
-// The quantities that a rule may name.
-ParameterValues quantities(const Cell& cell, const Catalogues& catalogues) {
-  ParameterValues values = cell.parameters;
-  values["step_s"] = cell.step_s;
-  values["duration_s"] = cell.duration_s;
-  values["seed"] = static_cast<double>(cell.seed);
-  if (const Adapter* adapter = find_adapter(catalogues, cell.engine.engine)) {
-    for (const Knob& knob : adapter->knobs) values["knob." + knob.name] = knob.engine_default;
-  }
-  for (const auto& [name, value] : cell.knobs) values["knob." + name] = value;
-  return values;
-}
-
 const Rule* first_rule(const std::vector<Rule>& rules, const Cell& cell,
                        const Catalogues& catalogues) {
   if (rules.empty()) return nullptr;
@@ -156,12 +143,25 @@ void expand_experiment(const Experiment& experiment, const Catalogues& catalogue
 
 }  // namespace
 
+ParameterValues quantities(const Cell& cell, const Catalogues& catalogues) {
+  ParameterValues values = cell.parameters;
+  values["step_s"] = cell.step_s;
+  values["duration_s"] = cell.duration_s;
+  values["seed"] = static_cast<double>(cell.seed);
+  if (const Adapter* adapter = find_adapter(catalogues, cell.engine.engine)) {
+    for (const Knob& knob : adapter->knobs) values["knob." + knob.name] = knob.engine_default;
+  }
+  for (const auto& [name, value] : cell.knobs) values["knob." + name] = value;
+  return values;
+}
+
 Checked<std::vector<Cell>> expand(const Plan& plan, const Catalogues& catalogues) {
   try {
     std::vector<Cell> cells;
     for (const Experiment& experiment : plan.experiments) {
       expand_experiment(experiment, catalogues, cells);
     }
+    if (plan.trajectory) choose_recordings(*plan.trajectory, catalogues, cells);
     return cells;
   } catch (const InputError& error) {
     return tl::unexpected(error);

@@ -13,7 +13,8 @@
 namespace brickbench {
 namespace {
 
-const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment", "bench"};
+const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment", "bench",
+                                              "trajectory"};
 const std::vector<std::string> k_experiment_keys = {
     "name", "scenario", "engines", "step_s", "duration_s", "time_limit_s", "parameters",
     "zip",  "seeds",    "perturb", "except", "expect",     "metrics"};
@@ -383,6 +384,16 @@ Plan plan(const Value& table, const Catalogues& catalogues) {
     if (!names.insert(name).second) {
       reject(item.at, fmt::format("two experiments are called '{}': give one a name", name));
     }
+  }
+  if (const Value* trajectory = table.find("trajectory")) {
+    std::vector<std::string> known;
+    for (const Experiment& item : result.experiments) {
+      for (auto& quantity :
+           condition_names(*find_scenario(catalogues, item.scenario), catalogues)) {
+        known.push_back(std::move(quantity));
+      }
+    }
+    result.trajectory = trajectory_choice(*trajectory, std::move(known), catalogues);
   }
   return result;
 }

@@ -10,6 +10,7 @@
 #include "experiments/run/condition.hpp"
 #include "experiments/run/input.hpp"
 #include "experiments/run/selector.hpp"
+#include "experiments/run/trajectory_choice.hpp"
 
 namespace brickbench {
 
@@ -76,6 +77,7 @@ struct Plan {
   std::string text;  // the file as read
   std::vector<Experiment> experiments;
   std::optional<BenchChoice> bench;
+  std::optional<TrajectoryChoice> trajectory;  // none: no cell is recorded
 };
 
 // From the command line: "key=value" for every experiment, or "experiment.key=value".

@@ -113,7 +113,7 @@ void add_series(CellResult& result, const Watch& watch) {
 }
 
 CellResult run_checked(const Cell& cell, const Catalogues& catalogues, const Origin& origin,
-                       const StepCallback& after_step) {
+                       const StepCallback& after_step, const std::filesystem::path& folder) {
   const auto failed = [&](const Failure& failure) {
     return failed_cell(cell, catalogues, origin, std::string(to_outcome(failure.fault)),
                        failure.reason);
@@ -128,9 +128,10 @@ CellResult run_checked(const Cell& cell, const Catalogues& catalogues, const Ori
 
   const auto start = std::chrono::steady_clock::now();
   Watch watch(*scene, cell, catalogues);
-  const auto watched = watch.run(*adapter, after_step);
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   const Row common = row_of(cell, catalogues, origin);
+  TrajectoryRecorder recorder(folder, cell, *scene, common);
+  const auto watched = watch.run(*adapter, after_step, &recorder);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   CellResult result;
   if (watched) {
     result.outcome = "ok";
@@ -140,6 +141,7 @@ CellResult run_checked(const Cell& cell, const Catalogues& catalogues, const Ori
   } else {
     result = failed(watched.error());
   }
+  result.unrecorded = recorder.finish(result.outcome, result.reason);
   watch.fill_timing(result.timing);
   result.timing.cell_wall_s = wall.count();
   result.timing.outcome = result.outcome;
@@ -181,12 +183,12 @@ CellResult failed_cell(const Cell& cell, const Catalogues& catalogues, const Ori
 }
 
 CellResult run_cell(const Cell& cell, const Catalogues& catalogues, const Origin& origin,
-                    const StepCallback& after_step) {
+                    const StepCallback& after_step, const std::filesystem::path& folder) {
   if (!cell.excluded_why.empty()) {
     return failed_cell(cell, catalogues, origin, "excluded", cell.excluded_why);
   }
   try {
-    return run_checked(cell, catalogues, origin, after_step);
+    return run_checked(cell, catalogues, origin, after_step, folder);
   } catch (const std::bad_alloc&) {
     return failed_cell(cell, catalogues, origin, "out_of_memory", "the cell ran out of memory");
   } catch (const std::exception& error) {

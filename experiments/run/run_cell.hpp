@@ -2,6 +2,7 @@
 // yields a row for every number that was asked for, with an outcome and a reason.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,7 @@ struct CellResult {
   Timing timing;
   std::string outcome;  // "ok", "excluded" or a word of to_outcome()
   std::string reason;
+  std::string unrecorded = {};  // why the trajectory that was asked for is missing; else empty
 };
 
 // The largest number of points of a curve of one cell.
@@ -38,8 +40,10 @@ using StepCallback = std::function<bool(double)>;
 // The word of the column `better`.
 std::string_view better_word(Better better);
 
+// `folder`: the results folder, where the trajectory goes if the cell has a `recording`; empty:
+// nothing is recorded. That a recording fails is no failure of the cell.
 CellResult run_cell(const Cell& cell, const Catalogues& catalogues, const Origin& origin,
-                    const StepCallback& after_step = {});
+                    const StepCallback& after_step = {}, const std::filesystem::path& folder = {});
 
 // The rows of a cell that could not be run to its end: one for every number that was asked for,
 // without value. Also for parents of isolated cells whose process ended.

@@ -16,13 +16,14 @@ void append(std::vector<T>& to, std::vector<T>&& from) {
 }  // namespace
 
 RunResult run_cells(const std::vector<Cell>& cells, const Catalogues& catalogues,
-                    const Origin& origin, const RunCallbacks& callbacks) {
+                    const Origin& origin, const RunCallbacks& callbacks,
+                    const std::filesystem::path& folder) {
   RunResult result;
   for (const Cell& cell : cells) {
     if (callbacks.cell_begins) callbacks.cell_begins(cell, cells.size());
-    CellResult done = run_cell(cell, catalogues, origin, callbacks.after_step);
-    result.cells.push_back(
-        {cell, done.timing.cell, done.outcome, done.reason, done.timing.cell_wall_s});
+    CellResult done = run_cell(cell, catalogues, origin, callbacks.after_step, folder);
+    result.cells.push_back({cell, done.timing.cell, done.outcome, done.reason,
+                            done.timing.cell_wall_s, done.unrecorded});
     append(result.rows, std::move(done.rows));
     append(result.series, std::move(done.series));
     result.timings.push_back(std::move(done.timing));

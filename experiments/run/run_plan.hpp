@@ -17,6 +17,7 @@ struct CellOutcome {
   std::string outcome;
   std::string reason;
   double wall_s = 0.0;
+  std::string unrecorded = {};  // as in CellResult
 };
 
 struct RunResult {
@@ -35,8 +36,10 @@ struct RunCallbacks {
   std::function<void(const CellOutcome&, std::size_t count)> cell_ends;
 };
 
+// `folder` as for run_cell().
 RunResult run_cells(const std::vector<Cell>& cells, const Catalogues& catalogues,
-                    const Origin& origin, const RunCallbacks& callbacks = {});
+                    const Origin& origin, const RunCallbacks& callbacks = {},
+                    const std::filesystem::path& folder = {});
 
 // Whether the outcome is a failure that the plan did not expect: diverged, crashed, timed out, out
 // of memory, invalid, or another outcome than the expected one. A refusal is an answer, and an

@@ -42,7 +42,9 @@ Watch::Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues)
   }
 }
 
-Expected<void> Watch::run(const Adapter& adapter, const StepCallback& after_step) {
+Expected<void> Watch::run(const Adapter& adapter, const StepCallback& after_step,
+                          TrajectoryRecorder* recorder) {
+  recorder_ = recorder;
   StepClock build_clock;
   build_clock.start();
   auto simulation = build(adapter, scene_.world,
@@ -125,6 +127,7 @@ void Watch::observe(Simulation& simulation, std::size_t step) {
     sample.diagnostics = view->diagnostics();
   }
   hash_.observe(sample);
+  if (recorder_ != nullptr) recorder_->observe(sample);
   for (const auto& metric : metrics_) metric->observe(sample);
   if (step % stride_ != 0) return;
   std::vector<Measurement> values;

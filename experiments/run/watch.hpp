@@ -9,6 +9,7 @@
 #include "experiments/metrics/step_clock.hpp"
 #include "experiments/record/timing.hpp"
 #include "experiments/run/run_cell.hpp"
+#include "experiments/run/trajectory_recorder.hpp"
 
 namespace brickbench {
 
@@ -27,7 +28,9 @@ class Watch {
   // Builds the simulation and steps it to the end of the cell. Fails as the engine fails; with
   // Fault::diverged at the first state that is not finite; with Fault::timed_out at the cell's time
   // limit or when `after_step` says so.
-  Expected<void> run(const Adapter& adapter, const StepCallback& after_step);
+  // `recorder` (may be nullptr) is shown every step too.
+  Expected<void> run(const Adapter& adapter, const StepCallback& after_step,
+                     TrajectoryRecorder* recorder = nullptr);
 
   std::vector<Measurement> report() const;
   const std::vector<CurvePoint>& curves() const { return curves_; }
@@ -53,6 +56,7 @@ class Watch {
   std::vector<Contact> contacts_;
   std::vector<CurvePoint> curves_;
   StateHash hash_;
+  TrajectoryRecorder* recorder_ = nullptr;
   StepClock clock_;
 };
 
