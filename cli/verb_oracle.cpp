@@ -7,9 +7,9 @@
 #include "cli/build_facts.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/gate/confusion.hpp"
 #include "experiments/gate/defect_map.hpp"
 #include "experiments/gate/law_profile.hpp"
-#include "experiments/gate/static_truth.hpp"
 #include "experiments/record/schema.hpp"
 #include "experiments/run/selector.hpp"
 
@@ -28,7 +28,14 @@ struct OracleOptions {
   std::size_t stride = 10;
   std::size_t count = 200;
   bool json = false;
+  bool markdown = false;
 };
+
+enum class Form { text, json, markdown };
+
+Form form_of(const OracleOptions& options) {
+  return options.json ? Form::json : options.markdown ? Form::markdown : Form::text;
+}
 
 int complain(const std::string& message, int code = k_exit_bad_input) {
   fmt::print(stderr, "brickbench: {}\n", message);
@@ -73,49 +80,89 @@ std::size_t steps_of(const OracleOptions& options) {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json json_of(const std::string& engine, const gate::Violation& v, bool most) {
+  return {{"id", engine + ':' + v.law},
+          {"outcome", "ok"},
+          {"law", v.law},
+          {"unit", v.unit},
+          {"worst", v.worst},
+          {"proven", v.proven},
+          {"total", v.total},
+          {"allowance", v.allowance},
+          {"steps_broken", v.steps},
+          {"steps_looked_at", v.looked_at},
+          {"broken_most", most},
+          {"worst_time_s", v.worst_time_s},
+          {"body_a", v.body_a},
+          {"body_b", v.body_b}};
+}
+
+void print_violation(const std::string& engine, const gate::Violation& v, bool most, Form form) {
+  const std::string bodies = v.body_b.empty() ? v.body_a : v.body_a + ", " + v.body_b;
+  const std::string broken = fmt::format("{}/{}", v.steps, v.looked_at);
+  if (form == Form::markdown) {
+    const std::string law = most ? fmt::format("**{}**", v.law) : v.law;
+    fmt::print("| {} | {} | {:.3g} {} | {:.3g} | {} | {:.3f} | {} |\n", engine, law, v.worst,
+               v.unit, v.allowance, broken, v.worst_time_s, bodies);
+  } else {
+    fmt::print("{:<22} {:<16} {:>10.3g} {:>10.3g} {:>10.3g} {:>4} {:>9} {:>8.3f}  {}{}\n", engine,
+               v.law, v.worst, v.proven, v.allowance, v.unit, broken, v.worst_time_s, bodies,
+               most ? "  (broken most)" : "");
+  }
+}
+
+void print_laws_head(const OracleOptions& options, Form form) {
+  if (form == Form::text) {
+    fmt::print("{:<22} {:<16} {:>10} {:>10} {:>10} {:>4} {:>9} {:>8}  {}\n", "engine", "law",
+               "worst", "proven", "allowance", "unit", "broken", "at_s", "bodies");
+  } else if (form == Form::markdown) {
+    std::string set;
+    for (const std::string& text : options.set) set += ", " + text;
+    fmt::print("{}{}; {:.4g} s at {:.4g} s steps, contact impulses judged at every {}th step\n\n",
+               options.scenario, set, options.duration_s, options.step_s, options.stride);
+    fmt::print(
+        "| engine | law | worst | allowed | steps broken | at, s | bodies |\n"
+        "|---|---|---:|---:|---:|---:|---|\n");
+  }
+}
+
 int laws(const OracleOptions& options, const Catalogues& catalogues) {
   const auto scene = scene_of(options, catalogues);
   if (!scene) return complain(scene.error().reason);
+  const Form form = form_of(options);
   auto records = Json::array();
   int code = k_exit_fine;
-  if (!options.json) {
-    fmt::print("{:<22} {:<16} {:>10} {:>10} {:>10} {:>4} {:>9} {:>8}  {}\n", "engine", "law",
-               "worst", "proven", "allowance", "unit", "broken", "at_s", "bodies");
-  }
-  for (const EngineVariant& engine : engines_of(options.engines, catalogues)) {
-    const auto recording = gate::record(*find_adapter(catalogues, engine.engine),
-                                        settings_of(options, engine), *scene, steps_of(options));
+  print_laws_head(options, form);
+  const auto engines = engines_of(options.engines, catalogues);
+  Progress progress(engines.size());
+  for (const EngineVariant& engine : engines) {
+    progress.begin(engine.label());
+    const Adapter& adapter = *find_adapter(catalogues, engine.engine);
+    const Settings settings = settings_of(options, engine);
+    const auto recording = gate::record(adapter, settings, *scene, steps_of(options));
     if (!recording) {
       const std::string outcome(to_outcome(recording.error().fault));
-      records.push_back(
-          {{"id", engine.label()}, {"outcome", outcome}, {"reason", recording.error().reason}});
-      if (!options.json) {
-        fmt::print("{:<22} {}: {}\n", engine.label(), outcome, recording.error().reason);
+      const std::string& reason = recording.error().reason;
+      records.push_back({{"id", engine.label()}, {"outcome", outcome}, {"reason", reason}});
+      if (form != Form::json) {
+        fmt::print(fmt::runtime(form == Form::markdown ? "| {} | {}: {} | | | | | |\n"
+                                                       : "{:<22} {}: {}\n"),
+                   engine.label(), outcome, reason);
       }
       if (recording.error().fault != Fault::unsupported) code = k_exit_failed_case;
+      progress.end(engine.label());
       continue;
     }
-    for (const auto& v : gate::law_profile(*scene, *recording, {.stride = options.stride})) {
-      records.push_back({{"id", engine.label() + ':' + v.law},
-                         {"outcome", "ok"},
-                         {"law", v.law},
-                         {"unit", v.unit},
-                         {"worst", v.worst},
-                         {"proven", v.proven},
-                         {"total", v.total},
-                         {"allowance", v.allowance},
-                         {"steps_broken", v.steps},
-                         {"steps_looked_at", v.looked_at},
-                         {"worst_time_s", v.worst_time_s},
-                         {"body_a", v.body_a},
-                         {"body_b", v.body_b}});
-      if (options.json) continue;
-      fmt::print("{:<22} {:<16} {:>10.3g} {:>10.3g} {:>10.3g} {:>4} {:>9} {:>8.3f}  {} {}\n",
-                 engine.label(), v.law, v.worst, v.proven, v.allowance, v.unit,
-                 fmt::format("{}/{}", v.steps, v.looked_at), v.worst_time_s, v.body_a, v.body_b);
+    const auto profile =
+        gate::law_profile(*scene, *recording, gate::law_plan(adapter, settings, options.stride));
+    const gate::Violation* most = gate::broken_most(profile);
+    for (const gate::Violation& v : profile) {
+      records.push_back(json_of(engine.label(), v, &v == most));
+      if (form != Form::json) print_violation(engine.label(), v, &v == most, form);
     }
+    progress.end(engine.label());
   }
-  if (options.json) fmt::print("{}\n", records.dump(2));
+  if (form == Form::json) fmt::print("{}\n", records.dump(2));
   return code;
 }
 
@@ -188,71 +235,80 @@ int defect(const OracleOptions& options, const Catalogues& catalogues) {
   return code;
 }
 
-// An assembly moved if a brick is further than this share of its smallest edge from its start.
-constexpr double k_moved_share = 0.2;
+Json json_of(const gate::Confusion& c) {
+  return {{"stands_stood", c.stands_stood},
+          {"stands_moved", c.stands_moved},
+          {"falls_stood", c.falls_stood},
+          {"falls_moved", c.falls_moved},
+          {"wrong", c.wrong},
+          {"failed", c.failed},
+          {"reason", c.reason}};
+}
 
-Expected<bool> moved(const Adapter& adapter, const Settings& settings, const World& world,
-                     std::size_t steps) {
-  auto simulation = build(adapter, world, settings);
-  if (!simulation) return tl::unexpected(simulation.error());
-  std::vector<State> states(world.bodies.size());
-  for (std::size_t step = 0; step < steps; ++step) {
-    if (auto ok = (*simulation)->step(); !ok) return tl::unexpected(ok.error());
+std::string listed(const std::map<std::string, int>& counts) {
+  std::string text;
+  for (const auto& [what, n] : counts)
+    text += fmt::format("{}{} {}", text.empty() ? "" : "; ", n, what);
+  return text;
+}
+
+void print_confusion(const std::string& engine, const gate::Confusion& c, Form form) {
+  std::string notes = listed(c.wrong);
+  if (!c.failed.empty()) {
+    notes += fmt::format("{}{}: {}", notes.empty() ? "" : "; ", listed(c.failed), c.reason);
   }
-  (*simulation)->read(states);
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (!is_finite(states[i])) return fail(Fault::diverged, "not finite");
-    const auto* box = std::get_if<BoxShape>(&world.bodies[i].shape);
-    if (box == nullptr) continue;
-    const double limit_m = 2.0 * k_moved_share * box->half_extents_m.minCoeff();
-    const Eigen::Vector3d way = states[i].position_m - world.bodies[i].initial.position_m;
-    if (way.norm() > limit_m) return true;
-  }
-  return false;
+  fmt::print(fmt::runtime(form == Form::markdown ? "| {} | {} | {} | {} | {} | {} |\n"
+                                                 : "{:<20} {:>13} {:>13} {:>12} {:>12}  {}\n"),
+             engine, c.stands_stood, c.stands_moved, c.falls_stood, c.falls_moved, notes);
 }
 
 int statics(const OracleOptions& options, const Catalogues& catalogues) {
   constexpr std::uint64_t seed = 1;
-  constexpr double tilt_rad = 0.01;
-  const auto assemblies = gate::labelled_assemblies(options.count, seed, tilt_rad);
-  std::map<std::string, std::map<std::string, int>> counts;
-  std::size_t stands = 0;
-  for (const auto& item : assemblies) stands += item.verdict.label == gate::StaticLabel::stands;
+  const auto assemblies = gate::labelled_assemblies(options.count, seed);
+  if (assemblies.size() < options.count) {
+    return complain(fmt::format("only {} assemblies have a strict label", assemblies.size()));
+  }
+  const auto stands = std::ranges::count_if(assemblies, [](const gate::LabelledAssembly& item) {
+    return item.verdict.label == gate::StaticLabel::stands;
+  });
+  const auto falls = static_cast<std::ptrdiff_t>(assemblies.size()) - stands;
+  const Form form = form_of(options);
+  if (form != Form::json) {
+    fmt::print(
+        "{} assemblies: {} stand (forces shown), {} fall (proven); {:.4g} s at {:.4g} s steps\n",
+        assemblies.size(), stands, falls, options.duration_s, options.step_s);
+  }
+  if (form == Form::markdown) {
+    fmt::print(
+        "\n| engine | stands, stood | stands, moved | falls, stood | falls, moved | wrong in |\n"
+        "|---|---:|---:|---:|---:|---|\n");
+  } else if (form == Form::text) {
+    fmt::print("{:<20} {:>13} {:>13} {:>12} {:>12}\n", "engine", "stands, stood", "stands, moved",
+               "falls, stood", "falls, moved");
+  }
   const auto engines = engines_of(options.engines, catalogues);
   Progress progress(engines.size());
+  auto records = Json::array();
+  int code = k_exit_fine;
   for (const EngineVariant& engine : engines) {
     progress.begin(engine.label());
-    auto& count = counts[engine.label()];
-    for (const auto& item : assemblies) {
-      const auto result = moved(*find_adapter(catalogues, engine.engine),
-                                settings_of(options, engine), item.world, steps_of(options));
-      const std::string truth =
-          item.verdict.label == gate::StaticLabel::stands ? "stands" : "falls";
-      const std::string seen = !result   ? std::string(to_outcome(result.error().fault))
-                               : *result ? "moved"
-                                         : "stood";
-      ++count[truth + '/' + seen];
-      if ((truth == "stands") == (seen == "stood")) continue;
-      ++count[truth + '/' + seen + " (" + item.family + ')'];
-    }
+    const gate::Confusion c =
+        gate::confusion(*find_adapter(catalogues, engine.engine), settings_of(options, engine),
+                        assemblies, steps_of(options));
     progress.end(engine.label());
+    const bool only_refused =
+        c.failed.empty() || (c.failed.size() == 1 && c.failed.contains("refused"));
+    if (!only_refused) code = k_exit_failed_case;
+    if (form == Form::json) {
+      Json record = {{"id", engine.label()}, {"stands", stands}, {"falls", falls}};
+      record.update(json_of(c));
+      records.push_back(record);
+    } else {
+      print_confusion(engine.label(), c, form);
+    }
   }
-  if (options.json) {
-    auto records = Json::array();
-    for (const auto& [engine, count] : counts)
-      records.push_back({{"id", engine}, {"counts", count}});
-    fmt::print("{}\n", records.dump(2));
-    return k_exit_fine;
-  }
-  fmt::print("{} assemblies: {} stand (forces shown), {} fall (proven); {} s at {} s steps\n",
-             assemblies.size(), stands, assemblies.size() - stands, options.duration_s,
-             options.step_s);
-  for (const auto& [engine, count] : counts) {
-    fmt::print("{:<24}", engine);
-    for (const auto& [what, n] : count) fmt::print(" {} {};", what, n);
-    fmt::print("\n");
-  }
-  return k_exit_fine;
+  if (form == Form::json) fmt::print("{}\n", records.dump(2));
+  return code;
 }
 
 using Action = int (*)(const OracleOptions&, const Catalogues&);
@@ -275,7 +331,11 @@ CLI::App* add(CLI::App& parent, Invocation& invocation, const std::string& name,
   verb->add_option("--step", options->step_s, "Time step, s")->check(CLI::PositiveNumber);
   verb->add_option("--duration", options->duration_s, "Simulated time, s")
       ->check(CLI::PositiveNumber);
-  verb->add_flag("--json", options->json, "The result as JSON on standard output");
+  CLI::Option* json =
+      verb->add_flag("--json", options->json, "The result as JSON on standard output");
+  if (action != defect) {
+    verb->add_flag("--markdown", options->markdown, "The result as Markdown")->excludes(json);
+  }
   verb->callback([=, &invocation] { invocation.exit_code = guarded(action, *options); });
   return verb;
 }
@@ -311,7 +371,8 @@ void add_oracle_verb(CLI::App& app, Invocation& invocation) {
   add(*oracle, invocation, "statics",
       "Which of many labelled walls and towers stand, and which do in each engine", statics,
       of_statics)
-      ->add_option("--count", of_statics->count, "Number of assemblies; default 200");
+      ->add_option("--count", of_statics->count, "Number of assemblies; default 200")
+      ->check(CLI::PositiveNumber);
 }
 
 }  // namespace brickbench

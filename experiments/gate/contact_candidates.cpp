@@ -16,8 +16,9 @@ double projected_half_m(const Placed& box, const Eigen::Vector3d& axis) {
   return box.half_m.dot((box.axes.transpose() * axis).cwiseAbs());
 }
 
-// The corners, edge or face of the box that lie furthest along `direction`, up to `tilt` (rad).
-Polygon support(const Placed& box, const Eigen::Vector3d& direction, double tilt) {
+// The corners, edge or face of the box that lie furthest along `direction`, up to `tilt` (rad); an
+// edge or face is `border_m` larger at each of its ends.
+Polygon support(const Placed& box, const Eigen::Vector3d& direction, double tilt, double border_m) {
   const Eigen::Vector3d local = box.axes.transpose() * direction;
   std::vector<Eigen::Vector3d> signs = {Eigen::Vector3d::Zero()};
   std::vector<int> free;
@@ -40,9 +41,11 @@ Polygon support(const Placed& box, const Eigen::Vector3d& direction, double tilt
     }
     signs = split;
   }
+  Eigen::Vector3d half_m = box.half_m;
+  for (const int k : free) half_m[k] = std::max(0.0, half_m[k] + border_m);
   Polygon corners;
   for (const auto& s : signs) {
-    corners.push_back(box.center_m + box.axes * box.half_m.cwiseProduct(s));
+    corners.push_back(box.center_m + box.axes * half_m.cwiseProduct(s));
   }
   return corners;
 }
@@ -78,7 +81,7 @@ void overlap_corners(const Placed& a, const Placed& b, const Eigen::Vector3d& ax
   const Placed& lead = a_leads ? a : b;
   const Placed& other = a_leads ? b : a;
   const Eigen::Vector3d outward = a_leads ? axis : Eigen::Vector3d(-axis);
-  Polygon points = support(other, -outward, k_face_tilt);
+  Polygon points = support(other, -outward, k_face_tilt, range.border_m);
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d side = lead.axes.col(k);
     if (std::abs(side.dot(axis)) > 0.7) continue;

@@ -20,7 +20,8 @@ struct ContactCandidate {
 struct CandidateRange {
   double margin_m = 0.0;  // shapes further apart than this do not touch
   double slack_m = 0.0;   // axes within this of the deepest are kept too
-  double border_m = 0.0;  // touching faces count this much larger on every side; may be negative
+  double border_m =
+      0.0;  // touching faces of boxes count this much larger on every side; may be negative
 };
 
 // Appends the candidates of the pair. Boxes, spheres, planes (a plane only with a body that can

@@ -59,6 +59,7 @@ struct PairBuilder {
     contact_candidates(world.bodies[a].shape, states[a], world.bodies[b].shape, states[b], range,
                        found);
     for (const ContactCandidate& candidate : found) {
+      if (!room.head_joints && std::abs(candidate.normal.z()) < M_SQRT1_2) continue;
       ConeContact contact;
       contact.body_a = index[a];
       contact.body_b = index[b];
@@ -101,6 +102,7 @@ ConeProblem cone_problem(const World& world, const StepRecord& record, const Con
   for (std::size_t a = 0; a < world.bodies.size(); ++a) {
     for (std::size_t b = a + 1; b < world.bodies.size(); ++b) {
       if (world.bodies[a].fixed && world.bodies[b].fixed) continue;
+      if (room.with_fixed_only && !world.bodies[a].fixed && !world.bodies[b].fixed) continue;
       builder.add(a, b);
     }
   }

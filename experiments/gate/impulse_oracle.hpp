@@ -32,6 +32,9 @@ struct Unexplained {
 struct ContactRoom {
   double gap_share = 0.02;
   double border_share = 0.02;  // faces reach that much over their edges; negative: less
+  // Contacts whose normal is more than 45 degrees from the vertical; without them, none.
+  bool head_joints = true;
+  bool with_fixed_only = false;  // contacts of a moving with a fixed body alone
 };
 
 // The contacts that the poses allow. Where the pair moves by more than a hundredth of its size in

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/gate/contact_candidates.hpp"
 #include "experiments/gate/impulse_oracle.hpp"
+#include "experiments/gate/step_laws.hpp"
 #include "experiments/metrics/deepest_overlap.hpp"
 #include "experiments/metrics/mechanics.hpp"
 
@@ -23,50 +23,27 @@ struct Step {
   double time_s() const { return static_cast<double>(number) * recording.step_s; }
 };
 
-void see(Violation& violation, double value, const Step& step, const std::string& a,
-         const std::string& b) {
+void see(Violation& violation, double value, double allowance, const Step& step,
+         const std::string& a, const std::string& b) {
   ++violation.looked_at;
   violation.total += value;
-  if (value > violation.allowance) ++violation.steps;
-  if (value <= violation.worst) return;
+  if (value > allowance) ++violation.steps;
+  if (value <= violation.worst && violation.looked_at > 1) return;
+  violation.allowance = allowance;
   violation.worst = value;
   violation.worst_time_s = step.time_s();
   violation.body_a = a;
   violation.body_b = b;
 }
 
-void see_impulses(Violation& violation, const Step& step) {
+void see_impulses(Violation& violation, double allowance_ns, const Step& step) {
   const auto& bodies = step.scene.world.bodies;
   const Unexplained unexplained =
-      unexplained_momentum(step.scene.world, step.record(), 0.1 * violation.allowance);
+      unexplained_momentum(step.scene.world, step.record(), 0.1 * allowance_ns);
   const double before = violation.worst;
-  see(violation, unexplained.upper_ns, step, bodies[unexplained.worst_body].name,
+  see(violation, unexplained.upper_ns, allowance_ns, step, bodies[unexplained.worst_body].name,
       bodies[unexplained.worst_partner].name);
   if (violation.worst > before) violation.proven = unexplained.lower_ns;
-}
-
-double energy_j(const World& world, const std::vector<State>& states) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (world.bodies[i].fixed) continue;
-    sum += kinetic_energy_j(world.bodies[i], states[i]) -
-           world.bodies[i].mass_kg * world.gravity_mps2.dot(states[i].position_m);
-  }
-  return sum;
-}
-
-// Work with the mean velocity of the step: exact for a force that is held.
-double work_j(const Step& step) {
-  const StepRecord record = step.record();
-  double sum = 0.0;
-  for (std::size_t i = 0; i < record.before.size(); ++i) {
-    sum += 0.5 * record.step_s *
-           (record.wrenches[i].force_n.dot(record.before[i].velocity_mps +
-                                           record.after[i].velocity_mps) +
-            record.wrenches[i].torque_nm.dot(record.before[i].angular_velocity_radps +
-                                             record.after[i].angular_velocity_radps));
-  }
-  return sum;
 }
 
 // The body whose own energy rose most: where to look.
@@ -87,27 +64,29 @@ std::size_t most_energised(const Step& step) {
   return worst;
 }
 
-// Horizontal momentum that the fixed bodies cannot have given: at most their friction times the
-// vertical impulse that all bodies together received (upright worlds whose fixed bodies are level).
-double horizontal_excess_ns(const Step& step) {
-  const StepRecord record = step.record();
-  Eigen::Vector3d given = Eigen::Vector3d::Zero();
-  double friction = 0.0;
-  const World& world = step.scene.world;
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    if (world.bodies[i].fixed) continue;
-    given +=
-        world.bodies[i].mass_kg * (record.after[i].velocity_mps - record.before[i].velocity_mps -
-                                   record.step_s * world.gravity_mps2) -
-        record.step_s * record.wrenches[i].force_n;
-    for (std::size_t k = 0; k < world.bodies.size(); ++k) {
-      if (world.bodies[k].fixed) friction = std::max(friction, contact_law(world, i, k).friction);
+double smallest_edge_m(const World& world) {
+  double edge_m = HUGE_VAL;
+  for (const Body& body : world.bodies) {
+    if (body.fixed) continue;
+    if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
+      edge_m = std::min(edge_m, 2.0 * box->half_extents_m.minCoeff());
+    } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
+      edge_m = std::min(edge_m, 2.0 * sphere->radius_m);
     }
   }
-  return std::max(0.0, given.head<2>().norm() - friction * std::max(0.0, given.z()));
+  return edge_m;
 }
 
 }  // namespace
+
+LawPlan law_plan(const Adapter& adapter, const Settings& settings, std::size_t stride) {
+  LawPlan plan;
+  plan.stride = stride;
+  // A few hundred operations on each body per step.
+  plan.rounding = adapter.precision == "f32" ? 1e-5 : 1e-12;
+  if (adapter.scheme != nullptr) plan.scheme = adapter.scheme(settings);
+  return plan;
+}
 
 std::vector<Violation> law_profile(const Scene& scene, const Recording& recording,
                                    const LawPlan& plan) {
@@ -115,30 +94,39 @@ std::vector<Violation> law_profile(const Scene& scene, const Recording& recordin
   double mass_kg = 0.0;
   for (const Body& body : world.bodies) mass_kg += body.fixed ? 0.0 : body.mass_kg;
   const double h = recording.step_s;
-  const double g = world.gravity_mps2.norm();
+  const double g = std::max(world.gravity_mps2.norm(), 1.0);
+  const double impulse_ns = plan.impulse_share * mass_kg * g * h;
+  const double overlap_m = plan.overlap_share * smallest_edge_m(world);
+  const double rounding_ns = 1e3 * plan.rounding * mass_kg * g;
   Violation impulse{.law = "contact_impulse", .unit = "N s"};
-  impulse.allowance = plan.impulse_share * mass_kg * std::max(g, 1.0) * h;
   Violation energy{.law = "energy", .unit = "J"};
-  energy.allowance = 0.5 * mass_kg * g * g * h * h;
   Violation penetration{.law = "penetration", .unit = "m"};
   Violation momentum{.law = "momentum", .unit = "N s"};
-  momentum.allowance = 1e-9 * mass_kg * std::max(g, 1.0);
   DeepestOverlap overlaps(world);
   for (std::size_t number = 1; number < recording.states.size(); ++number) {
     const Step step{scene, recording, number};
-    if (number % plan.stride == 0) see_impulses(impulse, step);
-    const double rise = energy_j(world, recording.states[number]) -
-                        energy_j(world, recording.states[number - 1]) - work_j(step);
-    see(energy, std::max(0.0, rise), step, world.bodies[most_energised(step)].name, "");
+    if (number % plan.stride == 0) see_impulses(impulse, impulse_ns, step);
+    see(energy, std::max(0.0, energy_gain_j(world, step.record())),
+        energy_allowance_j(world, step.record(), plan.scheme, plan.rounding), step,
+        world.bodies[most_energised(step)].name, "");
     const Overlap overlap = overlaps.find(recording.states[number]);
-    see(penetration, overlap.depth_m, step, world.bodies[overlap.body_a].name,
+    see(penetration, overlap.depth_m, overlap_m, step, world.bodies[overlap.body_a].name,
         world.bodies[overlap.body_b].name);
-    see(momentum, horizontal_excess_ns(step), step, "", "");
+    see(momentum, external_excess_ns(world, step.record(), 0.1 * rounding_ns), rounding_ns, step,
+        "", "");
   }
   if (penetration.looked_at > 0) {
     penetration.total /= static_cast<double>(penetration.looked_at);
   }
   return {impulse, energy, penetration, momentum};
+}
+
+const Violation* broken_most(const std::vector<Violation>& profile) {
+  const auto share = [](const Violation& v) {
+    return v.looked_at == 0 ? 0.0 : static_cast<double>(v.steps) / static_cast<double>(v.looked_at);
+  };
+  const auto most = std::ranges::max_element(profile, {}, share);
+  return most == profile.end() || most->steps == 0 ? nullptr : &*most;
 }
 
 }  // namespace brickbench::gate
