@@ -239,10 +239,12 @@ void add_sweep_verb(CLI::App& app, Invocation& invocation) {
   CLI::App* sweep = app.add_subcommand(
       "sweep", "Run many cells, each in a process of its own, on one machine or many");
   sweep->require_subcommand(1);
+  add_sweep_plan_verb(*sweep, invocation);
   add_run(*sweep, invocation);
   add_folder_verb(*sweep, invocation, "status", "What a sweep has and lacks", false, status);
   add_folder_verb(*sweep, invocation, "merge", "Join the results of all cells, in plan order", true,
                   merge_verb);
+  add_sweep_submit_verb(*sweep, invocation);
 }
 
 }  // namespace brickbench

@@ -23,6 +23,8 @@ struct Invocation {
 
 void add_run_verb(CLI::App& app, Invocation& invocation);
 void add_sweep_verb(CLI::App& app, Invocation& invocation);
+void add_sweep_plan_verb(CLI::App& sweep, Invocation& invocation);    // below `sweep`
+void add_sweep_submit_verb(CLI::App& sweep, Invocation& invocation);  // below `sweep`
 void add_bench_verb(CLI::App& app, Invocation& invocation);
 void add_list_verb(CLI::App& app, Invocation& invocation);
 void add_validate_verb(CLI::App& app, Invocation& invocation);

@@ -5,6 +5,7 @@
 #           engines   the third-party engines; each that is missing is left out of the build
 #           tests     what the tests need on top
 #           reports   what makes report pages interactive, and pictures and videos of them
+#           slurm     a private cluster on this machine, to test sweeps on one
 #           Without a group: build, engines and tests.
 #   --list  print the table and change nothing
 #
@@ -49,6 +50,8 @@ reports|npm|fetches the modules of the report page by their lock file|npm
 reports|chromium|opens report pages: browser tests, pictures, videos|chromium
 reports|ffmpeg|videos of replays|ffmpeg
 reports|gnuplot-nox|figures as PDF|gnuplot
+slurm|slurm-wlm|Slurm: runs job arrays|slurmctld
+slurm|munge|MUNGE: Slurm's authentication|munged
 END
 }
 
@@ -59,9 +62,9 @@ list_only=false
 for argument in "$@"; do
   case $argument in
     --list) list_only=true ;;
-    build | engines | tests | reports) groups+=("$argument") ;;
+    build | engines | tests | reports | slurm) groups+=("$argument") ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//p}' "$0"; exit 0 ;;
-    *) say "unknown argument '$argument'; groups are build, engines, tests, reports" >&2; exit 2 ;;
+    *) say "unknown argument '$argument'; groups are build, engines, tests, reports, slurm" >&2; exit 2 ;;
   esac
 done
 if [ ${#groups[@]} -eq 0 ]; then groups=(build engines tests); fi

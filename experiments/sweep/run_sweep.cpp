@@ -245,7 +245,8 @@ class Pool {
       return {};
     }
     if (ended.from_outside && attempts_[number] < k_most_attempts) {
-      waiting_.push_front(number);
+      // Last in the queue, for the trouble to pass.
+      waiting_.push_back(number);
       claims_.give_back(number);
       return {};
     }
@@ -261,8 +262,8 @@ class Pool {
       reason += fmt::format(" after {} of {} steps", done, steps);
     }
     if (ended.from_outside) {
-      reason = fmt::format("{} times in a row {}; if nobody sent it, the system was out of memory",
-                           k_most_attempts, ended.failure.reason);
+      reason = fmt::format("{} in each of {} attempts; if nobody sent it, memory had run out",
+                           ended.failure.reason, k_most_attempts);
     }
     CellResult result = failed_cell(cell, catalogues_, origin_,
                                     std::string(to_outcome(ended.failure.fault)), reason);
@@ -295,7 +296,12 @@ class Pool {
 
   void report(std::size_t number, const std::string& outcome, const std::string& reason,
               double wall_s, bool by_another) {
-    const CellOutcome done{cells_[number], sweep_.cells[number].cell, outcome, reason, wall_s};
+    CellOutcome done;
+    done.cell = cells_[number];
+    done.id = sweep_.cells[number].cell;
+    done.outcome = outcome;
+    done.reason = reason;
+    done.wall_s = wall_s;
     if (is_failure(done)) ++summary_.failed;
     if (callbacks_.cell_ends) callbacks_.cell_ends(done, by_another);
   }

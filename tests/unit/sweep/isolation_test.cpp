@@ -46,8 +46,8 @@ TEST_F(Isolation, EveryEndOfAProcessIsARow) {
       {"abort", "crashed: the process died of signal SIGABRT (Aborted) after 2 of 10 steps"},
       {"exit", "crashed: the process ended itself with exit status 0 after 2 of 10 steps"},
       {"killed",
-       "crashed: 3 times in a row the process died of signal SIGKILL (Killed); if nobody sent it, "
-       "the system was out of memory"}};
+       "crashed: the process died of signal SIGKILL (Killed) in each of 3 attempts; if nobody sent "
+       "it, memory had run out"}};
   EXPECT_EQ(outcomes(R"(["good", "nan", "thrower", "refuser", "segfault", "abort", "exit",
                         "killed"])"),
             expected);

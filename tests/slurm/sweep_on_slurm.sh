@@ -1,0 +1,98 @@
+#!/usr/bin/env bash
+# sweep_on_slurm.sh PROGRAM: a sweep as an array on a private two-node Slurm. In the middle one task is
+# killed and the node of another is lost; the sweep is submitted again; its merged rows must be the
+# bytes of a local run. Exit status: 0 fine, 1 not so, 77 Slurm is not here.
+set -euo pipefail
+program=$1
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+export PATH="$PATH:/usr/sbin:/sbin"
+
+for tool in sbatch squeue sinfo scontrol slurmctld slurmd munged; do
+  if ! command -v $tool >/dev/null; then
+    echo "SKIP: $tool is not installed (scripts/install-deps.sh slurm)"
+    exit 77
+  fi
+done
+
+root=$(mktemp -d /tmp/bbslurm.XXXXXX) # short: the names of sockets are limited
+source "$here/mini_cluster.sh"
+clean_up() {
+  local status=$?
+  scancel --user="$(id -un)" >/dev/null 2>&1 || true
+  cluster_stop
+  if [ $status -ne 0 ]; then tail -n 20 "$root"/log/*.log "$root"/sweep/slurm/*.log || true; fi
+  rm -rf "$root"
+}
+trap clean_up EXIT
+
+plan=$root/plan.toml
+cat >"$plan" <<'PLAN'
+title = "Many short cells"
+[[experiment]]
+scenario = "free_brick"
+engines = ["all"]
+step_s = [0.004, 0.002, 0.001]
+duration_s = 2.0
+seeds = SEEDS
+perturb = { position_m = 1e-3, angle_rad = 1e-3 }
+PLAN
+sed -i "s/SEEDS/${SWEEP_SEEDS:-40}/" "$plan"
+shards=8
+
+fail() { echo "FAILED: $*"; exit 1; }
+say() { echo "[$SECONDS s] $*"; }
+
+"$program" sweep run "$plan" --out "$root/local" >/dev/null 2>&1 || [ $? -eq 1 ]
+"$program" sweep merge "$root/local" --out "$root/local.csv" >/dev/null || [ $? -eq 1 ]
+say "local run done: $(wc -l <"$root/local.csv") lines"
+
+cluster_start || fail "the private cluster does not start"
+say "cluster is up"
+
+submit() { "$program" sweep submit --slurm "$plan" --out "$root/sweep" --shards $shards --partition main; }
+results() { find "$root/sweep/cells" -name '*.cell' 2>/dev/null | wc -l; }
+at_least() { [ "$(results)" -ge "$1" ]; }
+queue_is_empty() { scontrol ping >/dev/null && [ -z "$(squeue -h)" ]; }
+# The array index of the task that runs on a node.
+task_on() { squeue -h -r -t R -w "$1" -o %K | grep -E '^[0-9]+$' | head -1; }
+total=$(grep -c . "$root"/local/cells.*.csv)
+total=$((total - 1))
+
+submit
+wait_until 60 at_least $((total / 10)) || fail "the array does not run"
+lost=$(task_on n1)
+killed=$(task_on n2)
+[ -n "$lost" ] && [ -n "$killed" ] || fail "both nodes should be at work ($(results) results)"
+before=$(results)
+# The parent of the task's cells, not the cells: their command lines are the same.
+victim=""
+for process in /proc/[0-9]*; do
+  command=$({ tr "\0" " " <"$process/cmdline"; } 2>/dev/null) || continue
+  case $command in
+    *"sweep run"*"--out $root/sweep"*"--shard $killed/$shards"*)
+      parent=$(sed 's/.*) . \([0-9]*\) .*/\1/' "$process/stat")
+      if ! grep -qaF -- "--shard" "/proc/$parent/cmdline" 2>/dev/null; then victim=${process#/proc/}; fi ;;
+  esac
+done
+[ -n "$victim" ] || fail "the process of task $killed is not found"
+kill -KILL "$victim"
+scontrol update nodename=n1 state=down reason=test
+node_stop n1
+say "killed task $killed (process $victim), took down n1 with task $lost, at $before of $total results"
+
+wait_until 120 queue_is_empty || fail "the array does not end: $(squeue -h -r)"
+after=$(results)
+say "first array ended with $after of $total results"
+[ "$before" -lt "$total" ] || fail "the sweep was over before anything happened to it"
+[ "$after" -lt "$total" ] || fail "the killed task left nothing undone"
+if [ -e "$root/sweep/rows.csv" ]; then fail "an incomplete sweep was merged"; fi
+grep -q "incomplete" "$root/sweep/slurm/merge.log" || fail "the merge does not say what is missing"
+
+node_start n1
+submit
+wait_until 120 queue_is_empty || fail "the second array does not end: $(squeue -h -r)"
+[ "$(results)" -eq "$total" ] || fail "$(results) of $total results after the second array"
+[ "$(find "$root/sweep" -name '*.tmp.*' | wc -l)" -eq 0 ] || fail "temporary files are left"
+cmp "$root/local.csv" "$root/sweep/rows.csv" || fail "the rows differ from those of the local run"
+submit | grep -q "nothing to submit" || fail "a complete sweep is submitted again"
+say "merged rows are those of the local run, byte for byte"
