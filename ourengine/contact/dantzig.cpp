@@ -12,6 +12,7 @@ constexpr double kFeasible = 1e-10;  // of max |b|: a contact counts as violated
 // unblocking, or it is chosen again for ever.
 constexpr double kDependent = 1e-11;  // Schur pivot over A_dd below which a contact is dependent
 constexpr double kBlocking = 1e-7;    // rate of w over A_ii below which a contact cannot block
+constexpr double kHarris = 0.1;       // of kFeasible: given way in the ratio test
 constexpr int kPivotsPerContact = 5;
 
 // Cottle and Dantzig's principal pivoting for 0 <= f _|_ w = A f + b >= 0, as in Baraff (Fast
@@ -172,33 +173,56 @@ class Pivoting {
     return pivot >= kDependent * diagonal;
   }
 
+  struct Step {
+    double length = HUGE_VAL;
+    int stopper = -1;
+  };
+
+  // Calls see(contact, slack, rate, give) for each contact that the step would take out of its set:
+  // a clamped force that falls or a settled velocity that closes, by `rate` per unit of f_d.
+  template <typename See>
+  void for_blocking(See see) const {
+    const double give_mps = kHarris * kFeasible * system_.scale_mps();
+    for (std::size_t k = 0; k < clamped_.size(); ++k) {
+      if (share_[k] <= 1e-12) continue;
+      const int i = clamped_[k];
+      const double diagonal = system_.delassus()[at(i)];
+      see(i, diagonal * f_[at(i)], diagonal * share_[k], give_mps);
+    }
+    for (int i = 0; i < count_; ++i) {
+      if (settled_[at(i)] == 0 || rate_[at(i)] >= -kBlocking * system_.delassus()[at(i)]) continue;
+      see(i, std::max(0.0, w_[at(i)]), -rate_[at(i)], give_mps);
+    }
+  }
+
+  // How far f_d may rise. Of the contacts that stop it within the give of each other, the one that
+  // changes fastest is taken: it makes the best pivot, and rounding does not choose (P. M. J.
+  // Harris, Pivot selection methods of the Devex LP code, Math. Program. 5, 1973).
+  Step longest_step(int d, bool independent) const {
+    Step step;
+    if (independent) step = {-w_[at(d)] / rate_[at(d)], d};
+    double longest = step.length;
+    for_blocking([&](int, double slack, double rate, double give) {
+      longest = std::min(longest, (slack + give) / rate);
+    });
+    if (step.length <= longest) return step;
+    double fastest = 0.0;
+    for_blocking([&](int i, double slack, double rate, double) {
+      if (slack / rate > longest || rate <= fastest) return;
+      fastest = rate;
+      step = {std::max(0.0, slack / rate), i};
+    });
+    return step;
+  }
+
   // Raises f_d until w_d = 0. False if nothing stops it.
   bool drive_to_zero(int d, int limit) {
     while (pivots_ < limit) {
       ++pivots_;
-      const bool independent = rates(d);
-      double step = independent ? -w_[at(d)] / rate_[at(d)] : HUGE_VAL;
-      int stopper = independent ? d : -1;
-      for (std::size_t k = 0; k < clamped_.size(); ++k) {
-        if (share_[k] <= 1e-12) continue;
-        const double limit_k = f_[at(clamped_[k])] / share_[k];
-        if (limit_k < step) {
-          step = limit_k;
-          stopper = clamped_[k];
-        }
-      }
-      for (int i = 0; i < count_; ++i) {
-        if (settled_[at(i)] == 0 || rate_[at(i)] >= -kBlocking * system_.delassus()[at(i)])
-          continue;
-        const double limit_i = std::max(0.0, w_[at(i)] / -rate_[at(i)]);
-        if (limit_i < step) {
-          step = limit_i;
-          stopper = i;
-        }
-      }
-      if (stopper < 0) return false;
-      advance(d, step);
-      if (exchange(d, stopper)) return true;
+      const Step step = longest_step(d, rates(d));
+      if (step.stopper < 0) return false;
+      advance(d, step.length);
+      if (exchange(d, step.stopper)) return true;
     }
     return true;
   }

@@ -21,7 +21,7 @@ namespace ourengine {
 
 struct FastOptions {
   double step_s = 1.0 / 240.0;
-  int substeps = 4;
+  int substeps = 20;
   Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
   double margin_m = 5e-4;  // as in DynamicsOptions
   // Stiffness of contacts: natural frequency, at most one radian per sub-step, and damping ratio.

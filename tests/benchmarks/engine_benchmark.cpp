@@ -74,7 +74,7 @@ void separate_batch(benchmark::State& state) {
       per_pair(state, scene), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-// A standing wall of n x n, 4 sub-steps; wall time, threads as given.
+// A standing wall of n x n at the default sub-steps; wall time, threads as given.
 void fast_step(benchmark::State& state) {
   const int n = static_cast<int>(state.range(0));
   const testing::Wall wall = testing::running_bond(n, n);
