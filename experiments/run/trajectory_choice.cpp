@@ -84,6 +84,8 @@ TrajectoryChoice trajectory_choice(const Value& table, std::vector<std::string> 
   }
   if (const Value* cells = table.find("cells")) {
     names.emplace_back("experiment");
+    std::ranges::sort(names);
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     choice.cells = parse_condition(filled_text(*cells, "cells"), cells->at, names);
   }
   choice.contacts = truth(table, "contacts");
