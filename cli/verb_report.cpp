@@ -53,7 +53,7 @@ void add_report_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("folders", options->folders, "Results folders")->required();
   verb->add_option("--out", options->out, "New folder for the report")->required();
   verb->add_option("--replay-frames", options->replay_frames, "Frames per replay at most")
-      ->check(CLI::Range(2, 100000));
+      ->check(CLI::Range(2, 2000));
   verb->add_flag("--no-pdf", options->no_pdf, "No PDF figures, even if gnuplot is there");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = report(*options); });

@@ -37,7 +37,57 @@ std::string figures_html(const std::vector<Figure>& figures, bool draw_svg) {
   return out + "</div>\n";
 }
 
-std::string replay_html(const ReportSource& source, const PageAssets& assets) {
+// What keeps the page small, the same for all its replays.
+struct ReplayLimits {
+  std::size_t frames;
+  std::size_t contact_stride;
+};
+
+ReplayLimits replay_limits(std::span<const ReportSource> sources, const ReportOptions& options) {
+  std::size_t bodies = 0;
+  for (const ReportSource& source : sources) {
+    for (const Replay& replay : source.replays) bodies += replay.bodies.size();
+  }
+  const std::size_t frames = frames_within_page(bodies, options.replay_frames);
+  std::size_t points = 0;
+  for (const ReportSource& source : sources) {
+    for (const Replay& replay : source.replays) {
+      const std::size_t all = std::max<std::size_t>(1, replay.times_s.size());
+      points += replay.contact_points_m.size() / 3 * std::min(frames, all) / all;
+    }
+  }
+  return {frames, 1 + points / k_page_contact_points};
+}
+
+// What is shown of what was recorded.
+std::string replay_facts(const ReportSource& source, const ReplayLimits& limits) {
+  std::size_t most = 0;
+  bool contacts = false;
+  std::string notes;
+  for (const Replay& replay : source.replays) {
+    most = std::max({most, replay.recorded_frames, replay.times_s.size()});
+    contacts = contacts || !replay.contact_offsets.empty();
+    if (!replay.note.empty())
+      notes += fmt::format(" {} ended early: {}.", replay.engine, replay.note);
+  }
+  std::string out = fmt::format(
+      "{} of {} recorded cells{}; {} of up to {} recorded frames each, motion between them "
+      "interpolated; positions to {:g} mm.",
+      source.replays.size(), std::max(source.recorded_cells, source.replays.size()),
+      source.replays.size() < source.recorded_cells ? " (of several seeds the lowest)" : "",
+      std::min(limits.frames, most), most, 500.0 * k_position_lattice_m);
+  if (contacts) {
+    out += fmt::format(
+        " Contact points as each engine tells them, to {:g} mm, {}.", 500.0 * k_contact_lattice_m,
+        limits.contact_stride == 1
+            ? std::string("of the last frame shown")
+            : fmt::format("of every frame number {} of those shown", limits.contact_stride));
+  }
+  return "<p class=\"quiet\">" + escape_markup(out + notes) + "</p>\n";
+}
+
+std::string replay_html(const ReportSource& source, const PageAssets& assets,
+                        const ReplayLimits& limits) {
   if (source.replays.empty()) {
     return "<p class=\"quiet\">No trajectories were recorded, so there is nothing to replay.</p>\n";
   }
@@ -47,12 +97,13 @@ std::string replay_html(const ReportSource& source, const PageAssets& assets) {
         "{}.</p>\n",
         source.replays.size(), escape_markup(assets.missing));
   }
-  return "<div class=\"replay\" data-replay></div>\n"
-         "<noscript><p>The 3D view needs JavaScript.</p></noscript>\n";
+  return std::string("<div class=\"replay\" data-replay></div>\n") +
+         "<noscript><p>The 3D view needs JavaScript.</p></noscript>\n" +
+         replay_facts(source, limits);
 }
 
 // The replays by scene: bodies once, one view per engine.
-void add_scenes(const ReportSource& source, const Palette& palette, const ReportOptions& options,
+void add_scenes(const ReportSource& source, const Palette& palette, const ReplayLimits& limits,
                 nlohmann::ordered_json& scenes) {
   for (const Replay& replay : source.replays) {
     auto found = std::find_if(scenes.begin(), scenes.end(), [&](const auto& scene) {
@@ -66,7 +117,7 @@ void add_scenes(const ReportSource& source, const Palette& palette, const Report
                         {"views", nlohmann::ordered_json::array()}});
       found = scenes.end() - 1;
     }
-    auto view = to_json(thinned(replay, options.replay_frames));
+    auto view = to_json(thinned(replay, limits.frames), limits.contact_stride);
     const auto label = std::ranges::find(palette.labels(), replay.engine);
     view["colour"] = palette_colour(static_cast<std::size_t>(label - palette.labels().begin()));
     (*found)["views"].push_back(std::move(view));
@@ -74,8 +125,8 @@ void add_scenes(const ReportSource& source, const Palette& palette, const Report
 }
 
 std::string source_html(const ReportSource& source, const SourceFigures& figures,
-                        const Palette& palette, const PageAssets& assets,
-                        const std::string& prefix) {
+                        const Palette& palette, const PageAssets& assets, const std::string& prefix,
+                        const ReplayLimits& limits) {
   const std::vector<Block> blocks = summarize(source.rows);
   const bool svg = assets.script.empty();
   const Provenance& p = source.provenance;
@@ -87,7 +138,7 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
     out += html_section(prefix + id, title, body);
   };
   section("verdict", "Verdict", html_verdict(source, blocks));
-  section("replay", "Replay", replay_html(source, assets));
+  section("replay", "Replay", replay_html(source, assets, limits));
   section("time", "Over time", figures_html(figures.time, svg));
   section("tables", "Scenes", html_scene_tables(blocks, source, palette));
   section("step", "Error against the step", figures_html(figures.step, svg));
@@ -187,12 +238,13 @@ std::vector<OutputFile> report_files(std::span<const ReportSource> sources,
   auto figures_json = nlohmann::ordered_json::array();
   auto scenes = nlohmann::ordered_json::array();
   std::vector<OutputFile> files;
+  const ReplayLimits limits = replay_limits(sources, options);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const ReportSource& source = sources[i];
     const std::string prefix = prefix_of(i, sources.size());
     const SourceFigures figures = figures_of(source, prefix, palette);
-    body += source_html(source, figures, palette, assets, prefix);
-    add_scenes(source, palette, options, scenes);
+    body += source_html(source, figures, palette, assets, prefix, limits);
+    add_scenes(source, palette, limits, scenes);
     markdown +=
         (i == 0 ? "" : "\n") + markdown_report({source.rows, source.timings, &source.provenance});
     for (const auto* list : {&figures.time, &figures.step, &figures.cost}) {

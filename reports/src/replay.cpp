@@ -86,7 +86,41 @@ std::string encoded(const Replay& replay) {
   return to_base64(deflate_raw(planes.bytes()));
 }
 
+// The points of a frame on the lattice, each once.
+std::vector<std::array<double, 3>> lattice_points(const Replay& replay, std::size_t frame) {
+  std::vector<std::array<double, 3>> points;
+  for (std::size_t i = replay.contact_offsets[frame]; i < replay.contact_offsets[frame + 1]; ++i) {
+    std::array<double, 3> point{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      point[k] = std::round(replay.contact_points_m[3 * i + k] / k_contact_lattice_m);
+    }
+    points.push_back(point);
+  }
+  std::ranges::sort(points);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+std::string encoded_contacts(const Replay& replay, std::size_t stride) {
+  std::vector<std::vector<std::array<double, 3>>> frames(replay.times_s.size());
+  for (std::size_t f = 0; f < frames.size(); f += stride) frames[f] = lattice_points(replay, f);
+  Planes planes(frames.size() + replay.contact_points_m.size() / stride);
+  for (const auto& points : frames) planes.add(static_cast<double>(points.size()));
+  for (std::size_t k = 0; k < 3; ++k) {
+    planes.restart();
+    for (const auto& points : frames) {
+      for (const auto& point : points) planes.add(point[k]);
+    }
+  }
+  return to_base64(deflate_raw(planes.bytes()));
+}
+
 }  // namespace
+
+std::size_t frames_within_page(std::size_t bodies, std::size_t wanted) {
+  const std::size_t fit = k_page_body_frames / std::max<std::size_t>(1, bodies);
+  return std::min(wanted, std::max(fit, k_fewest_frames));
+}
 
 Expected<void> check(const Replay& replay) {
   const std::size_t n = replay.bodies.size();
@@ -111,8 +145,14 @@ Expected<void> check(const Replay& replay) {
   const auto finite = [](const std::vector<double>& values) {
     return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
   };
-  if (!finite(replay.times_s) || !finite(replay.positions_m) || !finite(replay.orientations) ||
-      !finite(replay.penetrations_m)) {
+  if (!replay.contact_offsets.empty() &&
+      (replay.contact_offsets.size() != frames + 1 ||
+       replay.contact_points_m.size() != 3 * replay.contact_offsets.back() ||
+       !std::ranges::is_sorted(replay.contact_offsets))) {
+    return wrong("the lists of contact points do not fit the frames");
+  }
+  if (!finite(replay.contact_points_m) || !finite(replay.times_s) || !finite(replay.positions_m) ||
+      !finite(replay.orientations) || !finite(replay.penetrations_m)) {
     return wrong("a number that is not finite");
   }
   return {};
@@ -128,7 +168,12 @@ Replay thinned(const Replay& replay, std::size_t frames) {
              .times_s = {},
              .positions_m = {},
              .orientations = {},
-             .penetrations_m = {}};
+             .penetrations_m = {},
+             .contact_offsets = {},
+             .contact_points_m = {},
+             .note = replay.note,
+             .recorded_frames = replay.recorded_frames};
+  if (!replay.contact_offsets.empty()) out.contact_offsets = {0};
   const std::size_t n = replay.bodies.size();
   const auto copy = [](const std::vector<double>& from, std::size_t at, std::size_t width,
                        std::vector<double>& to) {
@@ -142,23 +187,35 @@ Replay thinned(const Replay& replay, std::size_t frames) {
     copy(replay.positions_m, f, 3 * n, out.positions_m);
     copy(replay.orientations, f, 4 * n, out.orientations);
     copy(replay.penetrations_m, f, n, out.penetrations_m);
+    if (replay.contact_offsets.empty()) continue;
+    for (std::size_t i = replay.contact_offsets[f]; i < replay.contact_offsets[f + 1]; ++i) {
+      copy(replay.contact_points_m, i, 3, out.contact_points_m);
+    }
+    out.contact_offsets.push_back(out.contact_points_m.size() / 3);
   }
   return out;
 }
 
-nlohmann::ordered_json to_json(const Replay& replay) {
+nlohmann::ordered_json to_json(const Replay& replay, std::size_t contact_stride) {
   auto times = nlohmann::ordered_json::array();
   for (const double time_s : replay.times_s) {
     times.push_back(std::stod(fmt::format("{:.7g}", time_s)));
   }
-  return {{"engine", replay.engine},
-          {"cell", replay.cell},
-          {"times", times},
-          {"position_lattice", k_position_lattice_m},
-          {"quaternion_lattice", k_quaternion_lattice},
-          {"penetration_lattice", k_penetration_lattice_m},
-          {"has_penetration", !replay.penetrations_m.empty()},
-          {"data", encoded(replay)}};
+  nlohmann::ordered_json json = {{"engine", replay.engine},
+                                 {"cell", replay.cell},
+                                 {"times", times},
+                                 {"position_lattice", k_position_lattice_m},
+                                 {"quaternion_lattice", k_quaternion_lattice},
+                                 {"penetration_lattice", k_penetration_lattice_m},
+                                 {"has_penetration", !replay.penetrations_m.empty()},
+                                 {"data", encoded(replay)}};
+  if (!replay.note.empty()) json["note"] = replay.note;
+  if (!replay.contact_offsets.empty()) {
+    json["contact_lattice"] = k_contact_lattice_m;
+    json["contact_stride"] = contact_stride;
+    json["contacts"] = encoded_contacts(replay, contact_stride);
+  }
+  return json;
 }
 
 nlohmann::ordered_json bodies_json(const std::vector<ReplayBody>& bodies) {

@@ -10,10 +10,19 @@
 
 namespace brickbench {
 
-// The replays of all recorded cells, in the order of the rows. Always empty: experiments/record has
-// no format of trajectories yet, and a results folder holds none.
-Expected<std::vector<Replay>> read_replays(const std::filesystem::path& folder,
-                                           std::span<const Row> rows);
+// Of a trajectory at most this many frames are read, evenly chosen.
+inline constexpr std::size_t k_most_frames = 2000;
+
+struct RecordedReplays {
+  std::vector<Replay> replays;
+  std::size_t cells = 0;  // that have a trajectory
+};
+
+// The replays of the recorded cells, in the order of the rows: of each contender in each scene the
+// cell of the lowest seed. Fault::invalid with the file if a trajectory is damaged or belongs to
+// another cell than its name says.
+Expected<RecordedReplays> read_replays(const std::filesystem::path& folder,
+                                       std::span<const Row> rows);
 
 // Labels of the scene and of the contender that a row belongs to, as in summaries.
 std::string scene_of(const Row& row);

@@ -21,6 +21,7 @@ struct ReportSource {
   std::vector<SeriesPoint> series;
   Provenance provenance;
   std::vector<Replay> replays;
+  std::size_t recorded_cells = 0;     // with a trajectory; of several seeds one is a replay
   nlohmann::ordered_json validation;  // what `validate --json` printed, or null
 };
 

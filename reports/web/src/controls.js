@@ -41,6 +41,8 @@ export class Controls {
     });
     this.follow = element("button", { textContent: "follow projectile", title: "f", ariaPressed: "false" });
     this.follow.addEventListener("click", () => this.toggleFollow());
+    this.contacts = element("button", { textContent: "contact points", title: "k", ariaPressed: "false" });
+    this.contacts.addEventListener("click", () => this.toggleContacts());
     this.mode = choice("colour by", Object.entries(modes).map(([k, m]) => [k, `colour: ${m.name}`]),
       () => this.colour());
     this.legend = element("span", { className: "legend" });
@@ -54,9 +56,9 @@ export class Controls {
         element("span", { className: "group" }, step(-1, "◀", "step back (left arrow)"),
           step(1, "▶", "step on (right arrow)")), this.speed,
         element("span", { className: "grow" }, this.slider, this.readout)),
-      element("div", { className: "bar" }, views, this.follow, this.mode, this.legend, this.ghost,
+      element("div", { className: "bar" }, views, this.follow, this.contacts, this.mode, this.legend, this.ghost,
         element("span", { className: "hint",
-          textContent: "drag: orbit · right drag: pan · wheel: zoom · space, arrows, 1–4, f, c, g, + −" })),
+          textContent: "drag: orbit · right drag: pan · wheel: zoom · space, arrows, 1–4, f, k, c, g, + −" })),
       this.engines);
     clock.subscribe(() => this.refresh());
   }
@@ -68,6 +70,7 @@ export class Controls {
     this.slider.max = this.clock.end;
     const mover = scene.bodies.some((body) => body.role === "projectile");
     this.follow.hidden = !mover;
+    this.contacts.hidden = !runs.some((run) => run.contacts);
     this.mode.querySelector("[value=penetration]").disabled = !runs.some((run) => run.penetrations);
     this.ghost.replaceChildren(element("option", { value: "-1", textContent: "no ghost" }),
       ...scene.views.map((view, i) => element("option", { value: i, textContent: `ghost: ${view.engine}` })));
@@ -99,6 +102,12 @@ export class Controls {
   toggleFollow() {
     this.stage.follow = !this.stage.follow;
     this.follow.ariaPressed = String(this.stage.follow);
+    this.stage.dirty = true;
+  }
+
+  toggleContacts() {
+    this.stage.contacts = !this.stage.contacts;
+    this.contacts.ariaPressed = String(this.stage.contacts);
     this.stage.dirty = true;
   }
 
@@ -149,6 +158,7 @@ export class Controls {
       ArrowLeft: () => this.step(-many), ArrowRight: () => this.step(many),
       Home: () => this.clock.seek(0), End: () => this.clock.seek(this.clock.end),
       f: () => this.follow.hidden || this.toggleFollow(),
+      k: () => this.contacts.hidden || this.toggleContacts(),
       c: () => cycle(this.mode), g: () => cycle(this.ghost),
       "+": () => faster(1), "=": () => faster(1), "-": () => faster(-1),
     };

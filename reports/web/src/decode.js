@@ -6,8 +6,34 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+// Contact points as reports/src/replay.cpp encodes them: { offsets: Uint32Array (frames + 1), points:
+// Float32Array (points, 3), stride } or null.
+async function decodeContacts(view) {
+  if (!view.contacts) return null;
+  const bytes = await inflate(view.contacts);
+  const words = bytes.length / 4;
+  const frames = view.times.length;
+  let at = 0;
+  const run = (count, store) => {
+    let value = 0;
+    for (let i = 0; i < count; ++i, ++at) {
+      const zigzag = (bytes[at] | (bytes[words + at] << 8) | (bytes[2 * words + at] << 16) |
+        (bytes[3 * words + at] << 24)) >>> 0;
+      value += (zigzag >>> 1) ^ -(zigzag & 1);
+      store(i, value);
+    }
+  };
+  const offsets = new Uint32Array(frames + 1);
+  run(frames, (f, count) => (offsets[f + 1] = offsets[f] + count));
+  const total = offsets[frames];
+  if (words !== frames + 3 * total) throw new Error(`${view.engine}: contacts do not fit`);
+  const points = new Float32Array(3 * total);
+  for (let k = 0; k < 3; ++k) run(total, (i, value) => (points[3 * i + k] = value * view.contact_lattice));
+  return { offsets, points, stride: view.contact_stride };
+}
+
 // { times, bodies, frames, positions: Float32Array (frames, bodies, 3), orientations (frames,
-// bodies, 4) as x y z w, penetrations (frames, bodies) or null }
+// bodies, 4) as x y z w, penetrations (frames, bodies) or null, contacts }
 export async function decodeView(view, bodies) {
   const bytes = await inflate(view.data);
   const frames = view.times.length;
@@ -39,7 +65,8 @@ export async function decodeView(view, bodies) {
   if (penetrations) {
     for (let b = 0; b < bodies; ++b) read(penetrations, bodies, b, view.penetration_lattice);
   }
-  return { times: view.times, bodies, frames, positions, orientations, penetrations };
+  const contacts = await decodeContacts(view);
+  return { times: view.times, bodies, frames, positions, orientations, penetrations, contacts };
 }
 
 // The frame before t and the share of the way to the next one.

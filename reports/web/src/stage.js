@@ -1,10 +1,11 @@
 // The 3D stage: one WebGL context, one scissor viewport per engine, one camera for all of them.
 import {
-  BufferGeometry, Color, Float32BufferAttribute, LineBasicMaterial, LineSegments, Mesh,
+  BufferGeometry, Color, Float32BufferAttribute, Fog, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, PerspectiveCamera, PlaneGeometry, Scene, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Actors } from "./actors.js";
+import { Dots } from "./dots.js";
 import { frameAt } from "./decode.js";
 
 const directions = {
@@ -62,6 +63,7 @@ export class Stage {
     this.visible = [];
     this.ghost = -1;
     this.follow = false;
+    this.contacts = false;
     this.dirty = true;
     this.frames = 0;
     this.costs = [];
@@ -79,9 +81,11 @@ export class Stage {
     this.views = scene.views.map((view, i) => ({
       view, run: runs[i], actors: new Actors(scene.bodies, runs[i]),
       ghost: new Actors(scene.bodies, runs[i], view.colour),
+      dots: runs[i].contacts ? new Dots(runs[i]) : null,
     }));
-    for (const { actors, ghost } of this.views) {
+    for (const { actors, ghost, dots } of this.views) {
       for (const { mesh } of [...actors.meshes, ...ghost.meshes]) this.scene.add(mesh);
+      if (dots) this.scene.add(dots.mesh);
     }
     this.projectile = scene.bodies.findIndex((body) => body.role === "projectile");
     this.box = this.extent();
@@ -142,6 +146,7 @@ export class Stage {
   dress() {
     const dark = this.dark.matches;
     this.background = new Color(dark ? 0x1b2026 : 0xdfe6ec);
+    this.scene.fog = new Fog(this.background);
     if (this.floor) {
       this.floor.material.color.set(dark ? 0x2a3038 : 0xc9d1d8);
       this.grid.material.color.set(dark ? 0x56616c : 0x8e9aa5);
@@ -183,6 +188,12 @@ export class Stage {
       label.style.borderColor = view.colour;
       label.style.maxWidth = `${cellWidth - 16}px`;
       label.textContent = view.engine;
+      if (view.note) {
+        const note = document.createElement("small");
+        note.textContent = view.note;
+        label.title = view.note;
+        label.append(note);
+      }
       this.host.append(label);
       return label;
     });
@@ -236,6 +247,10 @@ export class Stage {
     if (this.follow && this.projectile >= 0 && this.visible.length > 0) this.followProjectile();
     this.renderer.setScissor(0, 0, this.host.clientWidth, rows * cellHeight);
     this.renderer.setViewport(0, 0, this.host.clientWidth, rows * cellHeight);
+    // Far lines of the floor fade into the sky instead of flickering.
+    const reach = this.camera.position.distanceTo(this.controls.target);
+    this.scene.fog.near = 1.1 * reach;
+    this.scene.fog.far = 4 * reach;
     this.renderer.setClearColor(this.background);
     this.renderer.clear();
     for (const { actors, ghost } of this.views) {
@@ -243,13 +258,17 @@ export class Stage {
       ghost.show(false);
     }
     this.visible.forEach((index, place) => {
-      const { actors } = this.views[index];
+      const { actors, dots } = this.views[index];
       const ghost = this.ghost >= 0 && this.ghost !== index ? this.views[this.ghost].ghost : null;
       actors.update(this.clock.time);
       actors.show(true);
       if (ghost) {
         ghost.update(this.clock.time);
         ghost.show(true);
+      }
+      if (dots && this.contacts) {
+        dots.update(this.clock.time);
+        dots.mesh.visible = true;
       }
       const x = (place % columns) * cellWidth;
       const y = (rows - 1 - Math.floor(place / columns)) * cellHeight;
@@ -258,6 +277,7 @@ export class Stage {
       this.renderer.render(this.scene, this.camera);
       actors.show(false);
       if (ghost) ghost.show(false);
+      if (dots) dots.mesh.visible = false;
     });
     ++this.frames;
     this.dirty = false;
