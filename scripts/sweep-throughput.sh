@@ -57,8 +57,8 @@ title = "Walls"
 scenario = "brick_wall"
 engines = ["ourengine"]
 step_s = 0.002
-duration_s = 0.5
-parameters = { courses = 6, columns = 6 }
+duration_s = 0.4
+parameters = { courses = 4, columns = 4 }
 seeds = 16
 perturb = { position_m = 1e-5 }
 END

@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "experiments/record/file.hpp"
+#include "experiments/record/trajectory.hpp"
 #include "experiments/sweep/claims.hpp"
 #include "experiments/sweep/inventory.hpp"
 
@@ -190,9 +191,19 @@ class Pool {
     return {};
   }
 
+  // What an earlier attempt at the cell has recorded, or left of it.
+  void remove_recording(const Cell& cell) const {
+    const fs::path file = trajectory_path(sweep_.folder, sweep_.cells[cell.index].cell);
+    std::error_code error;
+    fs::remove(file, error);
+    remove_leftovers(file);
+  }
+
   // In the cell's own process.
   std::string work(const Cell& cell, const StepCallback& after_step) const {
-    CellResult result = run_cell(cell, catalogues_, origin_, after_step);
+    if (cell.recording) remove_recording(cell);
+    CellResult result = run_cell(cell, catalogues_, origin_, after_step, sweep_.folder);
+    if (!result.unrecorded.empty()) return k_not_written + result.unrecorded;
     if (result.outcome == to_outcome(Fault::timed_out)) {
       // How far it came differs from run to run and stands with the timings.
       const Timing timing = result.timing;

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <set>
 
+#include "experiments/record/trajectory.hpp"
 #include "experiments/sweep/claims.hpp"
 #include "experiments/sweep/line_difference.hpp"
 #include "tests/support/sweep_folder.hpp"
@@ -193,6 +194,22 @@ TEST_F(SweepFolder, MergedTableIsNeverWrittenOver) {
   const auto refused = to();
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().fault, Fault::invalid);
+}
+
+TEST_F(SweepFolder, MotionIsRecordedWhereThePlanSaysSo) {
+  if (!no_trajectories_reason().empty()) GTEST_SKIP() << no_trajectories_reason();
+  const SweepOfFakes fakes(
+      fall_plan(R"(["good", "segfault"])", "[trajectory]\nengines = [\"good\"]\n"));
+  const auto sweep = fakes.open(folder_ / "s");
+  ASSERT_TRUE(fakes.run(folder_ / "s").has_value());
+  const auto file = trajectory_path(folder_ / "s", sweep->cells[0].cell);
+  EXPECT_TRUE(fs::exists(file));
+  EXPECT_FALSE(fs::exists(trajectory_path(folder_ / "s", sweep->cells[1].cell)));
+  // A cell that is run again replaces what it had recorded.
+  fs::resize_file(result_path(folder_ / "s", sweep->cells[0].cell), 0);
+  fs::resize_file(file, 0);
+  ASSERT_TRUE(fakes.run(folder_ / "s").has_value());
+  EXPECT_GT(fs::file_size(file), 0U);
 }
 
 TEST_F(SweepFolder, ClaimIsHadByOneAtATime) {
