@@ -8,6 +8,7 @@ std::vector<MetricInfo> metrics() {
       momentum_metric(),     //
       penetration_metric(),  //
       displaced_metric(),    //
+      outcomes_metric(),     //
       projectile_metric(),   //
       contacts_metric(),     //
   };

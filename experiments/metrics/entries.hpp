@@ -9,6 +9,7 @@ MetricInfo energy_metric();
 MetricInfo momentum_metric();
 MetricInfo penetration_metric();
 MetricInfo displaced_metric();
+MetricInfo outcomes_metric();
 MetricInfo projectile_metric();
 MetricInfo contacts_metric();
 

@@ -16,7 +16,8 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(EveryMetric, SaysNothingAfterANumberThatIsNone) {
   std::string silent;
-  for (const char* name : {"energy", "momentum", "penetration", "displaced", "projectile"}) {
+  for (const char* name :
+       {"energy", "momentum", "penetration", "displaced", "outcomes", "projectile"}) {
     SyntheticRun run = free_flight();
     run.states = [exact = run.states](std::size_t step) {
       auto states = exact(step);
