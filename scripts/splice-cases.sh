@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # splice-cases.sh [BRICKBENCH [SELECTOR...]]: runs the exact cases and puts each case's table into its
 # section of docs/cases.md, and who was measured when between that page's markers. Without selectors:
-# every engine's default variant and the other laws of ourengine. Nothing is retyped.
+# every engine's default variant and the other laws of ourengine. Each case also gets a figure of the same
+# numbers, docs/figures/cases/ID.svg. Nothing is retyped.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -38,12 +39,24 @@ awk -F '\t' '
     print "| engine | verdict | error | explained | unexplained |"
     print "|---|---|---:|---:|---:|"
     printf "%s", lines[id]
-    done_with[id] = 1; id = ""; table = 1; next
+    done_with[id] = 1; shown = id; id = ""; table = 1; next
   }
   table && /^\|/ { next }
-  { table = 0; print }
-  END { for (id in lines) if (!(id in done_with)) { print "no section for " id > "/dev/stderr"; exit 1 } }
+  table { print ""; print "![" shown "](figures/cases/" shown ".svg)"; table = 0; print; next }
+  /^!\[.*\]\(figures\/cases\// { getline; next }
+  { print }
+  END {
+    if (table) print "\n![" shown "](figures/cases/" shown ".svg)"
+    for (id in lines) if (!(id in done_with)) { print "no section for " id > "/dev/stderr"; exit 1 }
+  }
 ' "$scratch/lines" $page >"$scratch/page" || die "$page and the catalogue differ"
 cat "$scratch/page" >$page
+
+figures=docs/figures/cases
+mkdir -p $figures
+cut -f 1 "$scratch/lines" | sort -u | while read -r id; do
+  awk -F '\t' -v id="$id" '$1 == id { print $2 }' "$scratch/lines" | sed 's/^| //; s/ |$//; s/ | /\t/g' |
+    awk -v id="$id" -f scripts/case-figure.awk >"$figures/$id.svg"
+done
 put $page measured <<<"$(measured "$program") $versions."
 echo "splice-cases: $page has $(wc -l <"$scratch/lines") measured cells"
