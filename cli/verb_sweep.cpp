@@ -7,6 +7,7 @@
 #include "cli/sweep_progress.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/run/trajectory_choice.hpp"
 #include "experiments/sweep/inventory.hpp"
 #include "experiments/sweep/merge.hpp"
 #include "experiments/sweep/run_sweep.hpp"
@@ -67,6 +68,7 @@ int run(RunChoice& choice, const Invocation& invocation) {
   const auto work = planned_work(choice.plan, invocation.arguments);
   if (!work) return k_exit_bad_input;
   const Machine& machine = work->provenance.machine;
+  if (auto ok = check_recordable(work->cells); !ok) return complain(ok.error());
   if (choice.options.jobs == 0) choice.options.jobs = machine.cores;
   const auto sweep =
       open_sweep(choice.out, work->plan, choice.plan.overrides,

@@ -35,6 +35,7 @@ struct SubmitChoice {
   bool retry_failed = false;
   bool slurm = false;
   bool dry_run = false;
+  bool json = false;
 };
 
 std::string size_text(double bytes) {
@@ -137,6 +138,23 @@ std::vector<std::size_t> open_shards(const SubmitChoice& choice, std::size_t cel
   return {open.begin(), open.end()};
 }
 
+// Submits, unless nothing is open or the run is dry, and says as JSON what came of it.
+int submit_for_machines(const SlurmJob& job, bool dry_run) {
+  Submitted submitted;
+  if (!dry_run && !job.open_shards.empty()) {
+    const auto done = submit(job);
+    if (!done) return complain(done.error());
+    submitted = *done;
+  }
+  const nlohmann::ordered_json json = {
+      {"folder", job.folder.string()},     {"shards", job.shards},
+      {"open_shards", job.open_shards},    {"array_job", submitted.array_job},
+      {"merge_job", submitted.merge_job},  {"array_script", array_script(job)},
+      {"merge_script", merge_script(job)}, {"exit_code", k_exit_fine}};
+  fmt::print("{}\n", json.dump(2));
+  return k_exit_fine;
+}
+
 int submit_verb(SubmitChoice& choice, const Invocation& invocation) {
   if (!choice.slurm) return complain("submit needs --slurm", k_exit_bad_input);
   const auto work = planned_work(choice.plan, invocation.arguments);
@@ -158,6 +176,7 @@ int submit_verb(SubmitChoice& choice, const Invocation& invocation) {
     if (!sweep) return complain(sweep.error());
   }
   job.open_shards = open_shards(choice, work->cells.size());
+  if (choice.json) return submit_for_machines(job, choice.dry_run);
   if (job.open_shards.empty()) {
     fmt::print("Every cell has its result; nothing to submit. Merge with: {}\n",
                shell_command(job.merge));
@@ -217,6 +236,7 @@ void add_sweep_submit_verb(CLI::App& sweep, Invocation& invocation) {
       ->check(CLI::NonNegativeNumber);
   verb->add_flag("--retry-failed", choice->retry_failed, "As of `sweep run`");
   verb->add_flag("--dry-run", choice->dry_run, "Print the scripts; write and submit nothing");
+  verb->add_flag("--json", choice->json, "Jobs and scripts as JSON on standard output");
   verb->callback(
       [choice, &invocation] { invocation.exit_code = submit_verb(*choice, invocation); });
 }

@@ -37,7 +37,7 @@ seeds = SEEDS
 perturb = { position_m = 1e-3, angle_rad = 1e-3 }
 PLAN
 sed -i "s/SEEDS/${SWEEP_SEEDS:-40}/" "$plan"
-shards=8
+shards=4
 
 fail() { echo "FAILED: $*"; exit 1; }
 say() { echo "[$SECONDS s] $*"; }
@@ -60,21 +60,32 @@ total=$((total - 1))
 
 submit
 wait_until 60 at_least $((total / 10)) || fail "the array does not run"
-lost=$(task_on n1)
-killed=$(task_on n2)
-[ -n "$lost" ] && [ -n "$killed" ] || fail "both nodes should be at work ($(results) results)"
-before=$(results)
-# The parent of the task's cells, not the cells: their command lines are the same.
+# The process that runs shard $1, not those of its cells, whose command lines are the same.
+process_of_shard() {
+  local process command parent
+  for process in /proc/[0-9]*; do
+    command=$({ tr "\0" " " <"$process/cmdline"; } 2>/dev/null) || continue
+    case $command in
+      *"sweep run"*"--out $root/sweep"*"--shard $1/$shards"*) ;;
+      *) continue ;;
+    esac
+    parent=$({ sed 's/.*) . \([0-9]*\) .*/\1/' "$process/stat"; } 2>/dev/null) || continue
+    if grep -qaF -- "--shard" "/proc/$parent/cmdline" 2>/dev/null; then continue; fi
+    echo "${process#/proc/}"
+    return
+  done
+}
+# Both nodes at work, and the process of the task on n2 found; tasks may end while one looks.
 victim=""
-for process in /proc/[0-9]*; do
-  command=$({ tr "\0" " " <"$process/cmdline"; } 2>/dev/null) || continue
-  case $command in
-    *"sweep run"*"--out $root/sweep"*"--shard $killed/$shards"*)
-      parent=$(sed 's/.*) . \([0-9]*\) .*/\1/' "$process/stat")
-      if ! grep -qaF -- "--shard" "/proc/$parent/cmdline" 2>/dev/null; then victim=${process#/proc/}; fi ;;
-  esac
-done
-[ -n "$victim" ] || fail "the process of task $killed is not found"
+choose_victim() {
+  lost=$(task_on n1)
+  killed=$(task_on n2)
+  if [ -z "$lost" ] || [ -z "$killed" ]; then return 1; fi
+  victim=$(process_of_shard "$killed")
+  [ -n "$victim" ]
+}
+wait_until 30 choose_victim || fail "no task to kill ($(results) results)"
+before=$(results)
 kill -KILL "$victim"
 scontrol update nodename=n1 state=down reason=test
 node_stop n1
