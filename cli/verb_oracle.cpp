@@ -264,6 +264,7 @@ void print_confusion(const std::string& engine, const gate::Confusion& c, Form f
 
 int statics(const OracleOptions& options, const Catalogues& catalogues) {
   constexpr std::uint64_t seed = 1;
+  const auto engines = engines_of(options.engines, catalogues);
   const auto assemblies = gate::labelled_assemblies(options.count, seed);
   if (assemblies.size() < options.count) {
     return complain(fmt::format("only {} assemblies have a strict label", assemblies.size()));
@@ -286,7 +287,6 @@ int statics(const OracleOptions& options, const Catalogues& catalogues) {
     fmt::print("{:<20} {:>13} {:>13} {:>12} {:>12}\n", "engine", "stands, stood", "stands, moved",
                "falls, stood", "falls, moved");
   }
-  const auto engines = engines_of(options.engines, catalogues);
   Progress progress(engines.size());
   auto records = Json::array();
   int code = k_exit_fine;
