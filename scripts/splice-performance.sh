@@ -19,7 +19,7 @@ if [ "${1:-}" = --record ]; then
   mkdir -p "$folder"
   # Folders of whoever ran it are nobody's business.
   jq -s '.[0] + {entries: map(.entries) | add} | .provenance.plan |= (split("/") | last)
-         | .provenance.command |= (sub("^[^ ]+"; "brickbench") | gsub("[^ ]*/"; ""))' >"$folder/$name.json.new" ||
+         | .provenance.command |= (sub("^[^ ]+"; "brickbench") | gsub(" [/.][^ ]*/"; " "))' >"$folder/$name.json.new" ||
     die "standard input is not the output of brickbench bench --json"
   mv "$folder/$name.json.new" "$folder/$name.json"
   echo "splice-performance: recorded $folder/$name.json"
