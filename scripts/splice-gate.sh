@@ -4,7 +4,7 @@
 #   brickbench oracle statics --count 200 --markdown --engine ...
 #   brickbench oracle laws brick_wall --set courses=10 --set columns=10 --step 0.004166666666666667
 #     --duration 0.3 --stride 12 --markdown --engine ...
-#   gate_power experiments/plans/gate_smoke.toml bullet/default 40 300
+#   gate_power experiments/plans/gate_smoke.toml bullet/default 40 100
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
