@@ -4,39 +4,14 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-die() { echo "splice-scenes: $*" >&2; exit 2; }
+source scripts/splice.sh
 
 program=${1:-build/release/brickbench}
 page=docs/method.md
 if [ ! -x "$program" ]; then die "there is no program $program"; fi
-for name in images stable; do
-  for marker in BEGIN END; do
-    if [ "$(grep -c "^<!-- $marker $name" $page)" -ne 1 ]; then
-      die "$page must have one line '<!-- $marker $name -->'"
-    fi
-  done
-done
+need_markers $page images stable
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-
-# Rows (scene, engine, text) become a table of scenes by engines, both in order of appearance.
-pivot() {
-  awk -F '\t' '
-    !($1 in c) { c[$1] = 1; scenes[++n] = $1 }
-    !($2 in e) { e[$2] = 1; engines[++m] = $2 }
-    { text[$1, $2] = $3 }
-    END {
-      if (!n) exit 1
-      line = "| scene |"; rule = "|---|"
-      for (j = 1; j <= m; ++j) { line = line " " engines[j] " |"; rule = rule "---|" }
-      print line; print rule
-      for (i = 1; i <= n; ++i) {
-        line = "| " scenes[i] " |"
-        for (j = 1; j <= m; ++j) line = line " " text[scenes[i], engines[j]] " |"
-        print line
-      }
-    }'
-}
 
 engines=(--engine all --engine ourengine/fast)
 "$program" validate --symmetry all "${engines[@]}" >"$scratch/images" || die "--symmetry did not run"
@@ -57,20 +32,12 @@ images=$(awk '
       k = order[i]
       print k "\t" (worst[k] < 0 ? refused[k] : worst[k] == 0 ? "0" : sprintf("%.1e (%s)", worst[k], name[k]))
     }
-  }' "$scratch/images" | pivot) || die "no images were compared"
+  }' "$scratch/images" | pivot scene) || die "no images were compared"
 stable=$(awk '
   $2 !~ "/" { next }
   { text = $3 ~ /:$/ ? substr($3, 1, length($3) - 1) : $4 == "none" ? "all up to " $3 : $3 == "none" ? "none" : $3 }
-  { print $1 "\t" $2 "\t" text }' "$scratch/stable" | pivot) || die "no stable steps were found"
+  { print $1 "\t" $2 "\t" text }' "$scratch/stable" | pivot scene) || die "no stable steps were found"
 
-made="Measured $(date -u +%Y-%m-%d), revision $(git rev-parse --short HEAD)."
-new=$(mktemp docs/method.XXXXXX)
-trap 'rm -rf "$scratch" "$new"' EXIT
-MADE=$made IMAGES=$images STABLE=$stable awk '
-  function put(text) { print; print ""; print text; print ""; print ENVIRON["MADE"]; print ""; skip = 1 }
-  /^<!-- BEGIN images/ { put(ENVIRON["IMAGES"]); next }
-  /^<!-- BEGIN stable/ { put(ENVIRON["STABLE"]); next }
-  /^<!-- END / { skip = 0 }
-  !skip' $page >"$new"
-cat "$new" >$page
+put $page images <<<"$images"$'\n\n'"$(measured "$program")"
+put $page stable <<<"$stable"$'\n\n'"$(measured "$program")"
 echo "splice-scenes: $page has the images and stable steps of $program"

@@ -81,14 +81,15 @@ World image(const World& world, const Symmetry& s) {
   const Vector3d gravity = s.mirror ? reflected(world.gravity_mps2) : world.gravity_mps2;
   out.gravity_mps2 = s.turn * (s.length / (s.time * s.time) * gravity);
   for (Body& body : out.bodies) {
-    // The plane z <= 0 is its own image.
-    const bool plane = std::holds_alternative<PlaneShape>(body.shape);
+    // A level plane is its own image, wherever its origin is.
+    const bool level_plane = std::holds_alternative<PlaneShape>(body.shape) &&
+                             body.initial.orientation.isApprox(Quaterniond::Identity());
     body.shape = scaled(body.shape, s.length);
     body.mass_kg *= s.mass;
     body.inertia_kgm2 *= s.mass * s.length * s.length;
     const double height = body.initial.position_m.z();
     body.initial = imaged(body.initial, s);
-    if (plane) body.initial.position_m = {0.0, 0.0, s.length * height + s.shift_m.z()};
+    if (level_plane) body.initial.position_m = {0.0, 0.0, s.length * height + s.shift_m.z()};
     body.initial.orientation.normalize();
   }
   return out;

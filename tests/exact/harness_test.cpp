@@ -102,6 +102,27 @@ TEST(Images, AreTakenBackToTheScene) {
   EXPECT_TRUE(worst.within(k_back));
 }
 
+// A body keeps its height above a tilted plane, in units of the image.
+TEST(Images, TakeTiltedPlanesAlong) {
+  World world;
+  State tilted;
+  tilted.position_m = {1.0, 2.0, 0.5};
+  tilted.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vector3d::UnitY()));
+  world.bodies.push_back(fixed_body("slope", PlaneShape{}, tilted));
+  State above = tilted;
+  above.position_m += 0.3 * (tilted.orientation * Vector3d::UnitZ());
+  world.bodies.push_back(solid_body("brick", BoxShape{{0.1, 0.05, 0.05}}, 2000.0, above));
+  Worst worst;
+  for (const Symmetry& symmetry : symmetries()) {
+    const World other = image(world, symmetry);
+    const State& plane = other.bodies[0].initial;
+    const Vector3d up = plane.orientation * Vector3d::UnitZ();
+    const double height_m = up.dot(other.bodies[1].initial.position_m - plane.position_m);
+    worst.see(height_m / symmetry.length - 0.3, symmetry.name);
+  }
+  EXPECT_TRUE(worst.within(k_back));
+}
+
 // The truths themselves are invariant: kinetic energy scales with m l^2/t^2, gravity with l/t^2.
 TEST(Images, ScaleEnergyAndGravity) {
   const World world = build(testing::find_case("conservation.elastic_heap")).value().world;
