@@ -42,8 +42,8 @@ class NewFile {
   int descriptor_ = -1;
 };
 
-// For libraries that insist on a path: a new, empty file beside `file` under a temporary name. Faults
-// as of NewFile::create().
+// For libraries that insist on a path: a new, empty file beside `file` under a temporary name.
+// Faults as of NewFile::create().
 Expected<std::filesystem::path> temporary_beside(const std::filesystem::path& file);
 
 // Brings the closed file `temporary` to the disk and gives it the name `file`, never in place of
