@@ -207,7 +207,7 @@ TEST_F(Program, ExamplesOfTheDocumentationAreValid) {
     const auto cells = expand(*plan, linked());
     ASSERT_TRUE(cells.has_value()) << cells.error().text();
   }
-  EXPECT_EQ(count, 2U);
+  EXPECT_EQ(count, 3U);
 }
 
 }  // namespace
