@@ -346,7 +346,8 @@ std::span<const SeededFault> seeded_faults() { return k_faults; }
 Adapter correct_adapter() {
   for (Adapter& adapter : adapters()) {
     if (adapter.scheme == nullptr) continue;
-    const Settings plain{.variant = adapter.variants.front().name};
+    Settings plain;
+    plain.variant = adapter.variants.front().name;
     if (!adapter.scheme(plain)) continue;
     if (build(adapter, demanding_world(), {}).has_value()) return adapter;
   }
