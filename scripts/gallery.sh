@@ -3,11 +3,11 @@
 # motion: every engine at the same moment of the hit 10x10 wall, side by side.
 #
 #   RESULTS     a results folder of the plan `gallery`; without one the plan is run first
-#   BRICKBENCH  the program; default build/brickbench
+#   BRICKBENCH  the program; default build/release/brickbench
 #   TIME_S      the moment, s; default 0.45
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-brickbench=${BRICKBENCH:-build/brickbench}
+brickbench=${BRICKBENCH:-build/release/brickbench}
 most_bytes=300000
 die() { echo "gallery: $*" >&2; exit 1; }
 [ -x "$brickbench" ] || die "there is no program $brickbench; build it, or name it with BRICKBENCH="
