@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# splice-method.sh [BRICKBENCH]: measures thresholds and orders of convergence of every engine and puts
-# both tables between the markers of docs/method.md. Nothing is retyped.
+# splice-method.sh [BRICKBENCH]: measures thresholds and orders of convergence of every engine, runs the
+# seeded faults of the tests beside the program, and puts the three tables between the markers of
+# docs/method.md. Nothing is retyped.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -9,7 +10,9 @@ source scripts/splice.sh
 program=${1:-build/release/brickbench}
 page=docs/method.md
 if [ ! -x "$program" ]; then die "there is no program $program"; fi
-need_markers $page thresholds orders
+need_markers $page thresholds orders faults
+judge=$(dirname "$program")/tests/seeded_faults
+if [ ! -x "$judge" ]; then die "there is no $judge: build the tests"; fi
 
 # run OPTION...: exit 1 says that a cell failed, and the table shows it.
 run() { "$program" validate "$@" 2>/dev/null || [ $? -eq 1 ] || die "validate $* did not run"; }
@@ -36,6 +39,9 @@ orders=$(
       print $1 "\t" $2 "\t" ($4 == "+-" ? $3 " +- " $5 : $3) }' | pivot case
 ) || die "no orders were fitted"
 
+faults=$("$judge" | grep "^|") || die "$judge printed no table"
+
+put $page faults <<<"$faults"$'\n\n'"$(measured "$program")"
 put $page thresholds <<<"$thresholds"$'\n\n'"$(measured "$program")"
 put $page orders <<<"$orders"$'\n\n'"$(measured "$program")"
 echo "splice-method: $page has the thresholds and orders of $program"

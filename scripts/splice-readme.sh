@@ -40,9 +40,12 @@ table=$(awk -F '|' -v wanted="$columns" '
     print scene ":\n"; print head; print rule
     for (e = 1; e <= engines; ++e) {
       line = "| " order[e] " |"
+      # Costs of an engine that did not run this scene are those of another scene.
+      ran = value[order[e], column[1]] ~ /[0-9]/
       for (c = 1; c <= n; ++c) {
-        if ((order[e], column[c]) in value) found[column[c]] = 1
-        line = line " " (((order[e], column[c]) in value) ? value[order[e], column[c]] : "-") " |"
+        here = (order[e], column[c]) in value && (ran || value[order[e], column[c]] !~ /[0-9]/)
+        if (here) found[column[c]] = 1
+        line = line " " (here ? value[order[e], column[c]] : "-") " |"
       }
       print line
     }
