@@ -2,6 +2,7 @@
 // documentation all follow one statement of it.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -49,6 +50,18 @@ Column<Record> number_column(std::string_view name, std::string_view meaning) {
             record.*Member = *value;
             return {};
           }};
+}
+
+// A number that need not be there: NaN is written as the empty text, and read back from it.
+template <auto Member, typename Record>
+Column<Record> optional_number_column(std::string_view name, std::string_view meaning) {
+  Column<Record> column = number_column<Member, Record>(name, meaning);
+  column.parse = [](Record& record, std::string_view text) -> Expected<void> {
+    if (!text.empty()) return number_column<Member, Record>("", "").parse(record, text);
+    record.*Member = std::numeric_limits<double>::quiet_NaN();
+    return {};
+  };
+  return column;
 }
 
 template <auto Member, typename Record>

@@ -44,8 +44,8 @@ struct Schema<Timing> {
         count_column<&Timing::steps, Timing>("steps", "steps that were done"),
         number_column<&Timing::build_cpu_s, Timing>("build_cpu_s",
                                                     "CPU time to build the simulation, s"),
-        number_column<&Timing::step_median_cpu_s, Timing>(
-            "step_median_cpu_s", "median CPU time of the engine per step, s"),
+        optional_number_column<&Timing::step_median_cpu_s, Timing>(
+            "step_median_cpu_s", "median CPU time of the engine per step, s; empty without steps"),
         number_column<&Timing::step_max_cpu_s, Timing>("step_max_cpu_s",
                                                        "largest CPU time of one step, s"),
         number_column<&Timing::steps_total_cpu_s, Timing>(

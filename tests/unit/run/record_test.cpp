@@ -87,6 +87,20 @@ TEST_F(Record, NothingIsWrittenOver) {
   EXPECT_FALSE(create_new_folder(file / "below_a_file").has_value());
 }
 
+// A refused cell has no steps, hence no median.
+TEST(Timings, OfACellWithoutStepsComeBack) {
+  Timing refused;
+  refused.outcome = "refused";
+  refused.step_median_cpu_s = std::numeric_limits<double>::quiet_NaN();
+  Timing back;
+  for (const auto& column : Schema<Timing>::columns()) {
+    const auto parsed = column.parse(back, column.text(refused));
+    ASSERT_TRUE(parsed.has_value()) << column.name << ": " << parsed.error().reason;
+  }
+  EXPECT_TRUE(std::isnan(back.step_median_cpu_s));
+  EXPECT_EQ(back.outcome, "refused");
+}
+
 TEST_F(Record, ProvenanceComesBack) {
   Provenance p;
   p.command = "brickbench run x";
