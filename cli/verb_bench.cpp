@@ -4,12 +4,12 @@
 #include <array>
 #include <sstream>
 
-#include "cli/build_facts.hpp"
+#include "cli/complain.hpp"
+#include "cli/planned_work.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/run/bench.hpp"
-#include "experiments/run/plan_files.hpp"
 #include "experiments/run/results.hpp"
 #include "reports/src/summary.hpp"
 #include "reports/src/table.hpp"
@@ -18,9 +18,8 @@ namespace brickbench {
 namespace {
 
 struct BenchOptions {
-  std::string plan;
+  PlanChoice choice;
   std::string out;
-  Overrides overrides;
   std::size_t repeat = 0;  // 0: as the plan says
   bool json = false;
 };
@@ -29,16 +28,6 @@ struct BenchOptions {
 constexpr std::array k_accuracy = {"penetration_max_m", "penetration_final_m",
                                    "brick_displacement_max_m", "brick_speed_rms_mps",
                                    "bricks_displaced"};
-
-int complain(const std::string& message, int code) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return code;
-}
-
-int complain(const Failure& failure) {
-  return complain(failure.reason,
-                  failure.fault == Fault::invalid ? k_exit_bad_input : k_exit_infrastructure);
-}
 
 // The scene without what belongs to an engine.
 std::string scene_label(const Cell& cell) {
@@ -50,25 +39,14 @@ std::string scene_label(const Cell& cell) {
   return fmt::format("{}, {} s", text, shortest(cell.duration_s));
 }
 
-BenchResult bench_with_progress(const std::vector<Cell>& cells, const BenchChoice& choice,
-                                const Catalogues& catalogues, const Machine& machine) {
-  Progress progress(cells.size() * choice.repeat);
+BenchResult bench_with_progress(const PlannedWork& work, const BenchChoice& choice) {
+  Progress progress(work.cells.size() * choice.repeat);
   const auto label = [](const Cell& cell) {
     return fmt::format("{} {}", cell.engine.label(), scene_label(cell));
   };
-  RunCallbacks callbacks;
-  callbacks.cell_begins = [&](const Cell& cell, std::size_t) { progress.begin(label(cell)); };
-  callbacks.after_step = [&](double share) {
-    progress.update(share);
-    return true;
-  };
-  callbacks.cell_ends = [&](const CellOutcome& done, std::size_t) {
-    progress.end(fmt::format("{}: {}{}{}, {}", label(done.cell), done.outcome,
-                             done.reason.empty() ? "" : ": ", done.reason,
-                             duration_text(done.wall_s)));
-  };
-  return bench_cells(cells, choice.base, choice.repeat, catalogues,
-                     {machine.revision, machine.label()}, callbacks);
+  const Machine& machine = work.provenance.machine;
+  return bench_cells(work.cells, choice.base, choice.repeat, work.catalogues,
+                     {machine.revision, machine.label()}, callbacks_for(progress, label));
 }
 
 const Row* find_row(const BenchEntry& entry, std::string_view metric) {
@@ -168,37 +146,28 @@ std::string markdown(const BenchResult& result, const Provenance& provenance) {
 }
 
 int run(const BenchOptions& options, const Invocation& invocation) {
-  const Catalogues catalogues = all_catalogues();
-  const auto file = find_plan(options.plan);
-  if (!file) return complain(file.error().text(), k_exit_bad_input);
-  const auto plan = read_plan(*file, catalogues, options.overrides);
-  if (!plan) return complain(plan.error().text(), k_exit_bad_input);
-  if (!plan->bench) {
+  const auto work = planned_work(options.choice, invocation.arguments);
+  if (!work) return k_exit_bad_input;
+  const auto& [catalogues, plan, cells, provenance] = *work;
+  if (!plan.bench) {
     return complain(
-        fmt::format("{}: a plan to be timed needs a table [bench] with 'base'", file->string()),
+        fmt::format("{}: a plan to be timed needs a table [bench] with 'base'", plan.file.string()),
         k_exit_bad_input);
   }
-  BenchChoice choice = *plan->bench;
+  BenchChoice choice = *plan.bench;
   if (options.repeat != 0) choice.repeat = options.repeat;
-  const auto cells = expand(*plan, catalogues);
-  if (!cells) return complain(cells.error().text(), k_exit_bad_input);
-  const std::filesystem::path folder =
-      options.out.empty() ? next_results_folder(plan->name) : std::filesystem::path(options.out);
-  if (auto made = create_new_folder(folder); !made) return complain(made.error());
+  const auto folder = new_results_folder(options.out, plan);
+  if (!folder) return complain(folder.error());
+  const BenchResult result = bench_with_progress(*work, choice);
 
-  Provenance provenance = provenance_of(*plan, catalogues);
-  provenance.command = shell_command(invocation.arguments);
-  provenance.date_utc = now_utc();
-  const BenchResult result = bench_with_progress(*cells, choice, catalogues, provenance.machine);
-
-  if (auto ok = write_results(folder, *plan, result.runs, provenance); !ok) {
+  if (auto ok = write_results(*folder, plan, result.runs, provenance); !ok) {
     return complain(ok.error());
   }
   const nlohmann::ordered_json json = to_json(result, provenance);
-  if (auto ok = write_new_file(folder / "bench.json", json.dump(2) + '\n'); !ok) {
+  if (auto ok = write_new_file(*folder / "bench.json", json.dump(2) + '\n'); !ok) {
     return complain(ok.error());
   }
-  if (auto ok = write_new_file(folder / "bench.md", markdown(result, provenance)); !ok) {
+  if (auto ok = write_new_file(*folder / "bench.md", markdown(result, provenance)); !ok) {
     return complain(ok.error());
   }
   if (options.json) {
@@ -207,7 +176,7 @@ int run(const BenchOptions& options, const Invocation& invocation) {
     for (const Table& table : tables_of(result)) {
       fmt::print("{}\n", to_terminal(table, standard_output_style()));
     }
-    fmt::print("Results: {}\n", folder.string());
+    fmt::print("Results: {}\n", folder->string());
   }
   return exit_code(result.runs);
 }
@@ -218,21 +187,11 @@ void add_bench_verb(CLI::App& app, Invocation& invocation) {
   CLI::App* verb =
       app.add_subcommand("bench", "Time the engines of a plan side by side, with their accuracy");
   auto options = std::make_shared<BenchOptions>();
-  verb->add_option("--plan,plan", options->plan, "Plan file with a table [bench], or its name")
-      ->required();
+  add_plan_choice(*verb, options->choice, "--plan,plan");
   verb->add_option("--out", options->out,
                    "New folder for the results; default results/<plan>-<number>");
   verb->add_option("--repeat", options->repeat, "Rounds instead of the plan's")
       ->check(CLI::Range(1, 1000));
-  verb->add_option("--set", options->overrides.set,
-                   "key=value for every experiment, or experiment.key=value; may be repeated")
-      ->expected(1)
-      ->take_all();
-  verb->add_option("--engine", options->overrides.engines,
-                   "Engine selector instead of the plan's; may be repeated")
-      ->expected(1)
-      ->take_all();
-  verb->add_option("--only", options->overrides.only, "Only the experiment of this name");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = run(*options, invocation); });
 }

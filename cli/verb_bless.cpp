@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "cli/complain.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/gate/check.hpp"
 #include "experiments/record/file.hpp"
@@ -14,16 +15,6 @@ struct BlessOptions {
   std::string reference = "reference_data/baseline";
   std::string reason;
 };
-
-int complain(const std::string& message, int code) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return code;
-}
-
-int complain(const Failure& failure) {
-  return complain(failure.reason,
-                  failure.fault == Fault::invalid ? k_exit_bad_input : k_exit_infrastructure);
-}
 
 // A reference is replaced by a whole new file: the old one stays until the new one is on the disk.
 Expected<void> replace(const std::filesystem::path& file, const std::string& text) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/build_facts.hpp"
+#include "cli/complain.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/gate/check.hpp"
@@ -26,16 +27,6 @@ struct CheckOptions {
   bool all_starts = false;
   bool json = false;
 };
-
-int complain(const std::string& message, int code) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return code;
-}
-
-int complain(const Failure& failure) {
-  return complain(failure.reason,
-                  failure.fault == Fault::invalid ? k_exit_bad_input : k_exit_infrastructure);
-}
 
 // obtained-001, obtained-002 ...: nothing is written over.
 std::filesystem::path next_obtained(const std::string& suite) {

@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
-#include <set>
-
-#include "cli/build_facts.hpp"
+#include "cli/complain.hpp"
+#include "cli/planned_work.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
-#include "experiments/run/plan_files.hpp"
 #include "experiments/run/results.hpp"
 #include "reports/src/markdown_report.hpp"
 #include "reports/src/summary.hpp"
@@ -15,21 +13,10 @@ namespace brickbench {
 namespace {
 
 struct RunOptions {
-  std::string plan;
+  PlanChoice choice;
   std::string out;
-  Overrides overrides;
   bool json = false;
 };
-
-int complain(const std::string& message, int code) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return code;
-}
-
-int complain(const Failure& failure) {
-  return complain(failure.reason,
-                  failure.fault == Fault::invalid ? k_exit_bad_input : k_exit_infrastructure);
-}
 
 std::string cell_label(const Cell& cell) {
   return fmt::format("{} {} step {} s{}{}", cell.experiment, cell.engine.label(), cell.step_s,
@@ -37,21 +24,11 @@ std::string cell_label(const Cell& cell) {
                      cell.axes.empty() ? "" : " " + cell.axes);
 }
 
-RunResult run_with_progress(const std::vector<Cell>& cells, const Catalogues& catalogues,
-                            const Machine& machine, const std::filesystem::path& folder) {
-  Progress progress(cells.size());
-  RunCallbacks callbacks;
-  callbacks.cell_begins = [&](const Cell& cell, std::size_t) { progress.begin(cell_label(cell)); };
-  callbacks.after_step = [&](double share) {
-    progress.update(share);
-    return true;
-  };
-  callbacks.cell_ends = [&](const CellOutcome& done, std::size_t) {
-    progress.end(fmt::format("{}: {}{}{}, {}", cell_label(done.cell), done.outcome,
-                             done.reason.empty() ? "" : ": ", done.reason,
-                             duration_text(done.wall_s)));
-  };
-  return run_cells(cells, catalogues, {machine.revision, machine.label()}, callbacks, folder);
+RunResult run_with_progress(const PlannedWork& work, const std::filesystem::path& folder) {
+  Progress progress(work.cells.size());
+  const Machine& machine = work.provenance.machine;
+  return run_cells(work.cells, work.catalogues, {machine.revision, machine.label()},
+                   callbacks_for(progress, cell_label), folder);
 }
 
 // How many trajectories that were asked for are missing; the reasons go to stderr.
@@ -144,31 +121,22 @@ void print_tables(const std::filesystem::path& folder, const RunResult& result) 
 }
 
 int run(const RunOptions& options, const Invocation& invocation) {
-  const Catalogues catalogues = all_catalogues();
-  const auto file = find_plan(options.plan);
-  if (!file) return complain(file.error().text(), k_exit_bad_input);
-  const auto plan = read_plan(*file, catalogues, options.overrides);
-  if (!plan) return complain(plan.error().text(), k_exit_bad_input);
-  const auto cells = expand(*plan, catalogues);
-  if (!cells) return complain(cells.error().text(), k_exit_bad_input);
-  if (auto ok = check_recordable(*cells); !ok) return complain(ok.error());
+  const auto work = planned_work(options.choice, invocation.arguments);
+  if (!work) return k_exit_bad_input;
+  if (auto ok = check_recordable(work->cells); !ok) return complain(ok.error());
+  const auto folder = new_results_folder(options.out, work->plan);
+  if (!folder) return complain(folder.error());
+  const RunResult result = run_with_progress(*work, *folder);
 
-  const std::filesystem::path folder =
-      options.out.empty() ? next_results_folder(plan->name) : std::filesystem::path(options.out);
-  if (auto made = create_new_folder(folder); !made) return complain(made.error());
-
-  Provenance provenance = provenance_of(*plan, catalogues);
-  provenance.command = shell_command(invocation.arguments);
-  provenance.date_utc = now_utc();
-  const RunResult result = run_with_progress(*cells, catalogues, provenance.machine, folder);
-
-  if (auto ok = write_results(folder, *plan, result, provenance); !ok) return complain(ok.error());
-  const std::string report = markdown_report({result.rows, result.timings, &provenance});
-  if (auto ok = write_new_file(folder / "report.md", report); !ok) return complain(ok.error());
+  if (auto ok = write_results(*folder, work->plan, result, work->provenance); !ok) {
+    return complain(ok.error());
+  }
+  const std::string report = markdown_report({result.rows, result.timings, &work->provenance});
+  if (auto ok = write_new_file(*folder / "report.md", report); !ok) return complain(ok.error());
   if (options.json)
-    print_json(folder, *plan, result);
+    print_json(*folder, work->plan, result);
   else
-    print_tables(folder, result);
+    print_tables(*folder, result);
   return count_unrecorded(result) > 0 ? k_exit_infrastructure : exit_code(result);
 }
 
@@ -177,20 +145,9 @@ int run(const RunOptions& options, const Invocation& invocation) {
 void add_run_verb(CLI::App& app, Invocation& invocation) {
   CLI::App* verb = app.add_subcommand("run", "Run a plan and write rows, timings and a report");
   auto options = std::make_shared<RunOptions>();
-  verb->add_option("plan", options->plan, "Plan file, or the name of one of `list plans`")
-      ->required();
+  add_plan_choice(*verb, options->choice);
   verb->add_option("--out", options->out,
                    "New folder for the results; default results/<plan>-<number>");
-  // One value per option: CLI11 must not split or swallow lists.
-  verb->add_option("--set", options->overrides.set,
-                   "key=value for every experiment, or experiment.key=value; may be repeated")
-      ->expected(1)
-      ->take_all();
-  verb->add_option("--engine", options->overrides.engines,
-                   "Engine selector instead of the plan's; may be repeated")
-      ->expected(1)
-      ->take_all();
-  verb->add_option("--only", options->overrides.only, "Only the experiment of this name");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = run(*options, invocation); });
 }

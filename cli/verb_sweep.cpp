@@ -3,7 +3,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "cli/sweep_input.hpp"
+#include "cli/complain.hpp"
+#include "cli/planned_work.hpp"
 #include "cli/sweep_progress.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"

@@ -4,7 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cli/sweep_input.hpp"
+#include "cli/complain.hpp"
+#include "cli/planned_work.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/sweep/estimate.hpp"

@@ -1,16 +1,19 @@
-#include "cli/sweep_input.hpp"
+#include "cli/planned_work.hpp"
 
 #include <fmt/core.h>
 
 #include "cli/build_facts.hpp"
+#include "cli/complain.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/record/file.hpp"
 #include "experiments/run/plan_files.hpp"
-#include "experiments/run/run_plan.hpp"
+#include "experiments/run/results.hpp"
 
 namespace brickbench {
 
-void add_plan_choice(CLI::App& verb, PlanChoice& choice) {
-  verb.add_option("plan", choice.plan, "Plan file, or the name of one of `list plans`")->required();
+void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names) {
+  verb.add_option(names, choice.plan, "Plan file, or the name of one of `list plans`")->required();
+  // One value per option: CLI11 must not split or swallow lists.
   verb.add_option("--set", choice.overrides.set,
                   "key=value for every experiment, or experiment.key=value; may be repeated")
       ->expected(1)
@@ -44,14 +47,28 @@ std::optional<PlannedWork> planned_work(const PlanChoice& choice,
   return work;
 }
 
-int complain(const std::string& message, int code) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return code;
+Expected<std::filesystem::path> new_results_folder(const std::string& out, const Plan& plan) {
+  const std::filesystem::path folder =
+      out.empty() ? next_results_folder(plan.name) : std::filesystem::path(out);
+  if (auto made = create_new_folder(folder); !made) return tl::unexpected(made.error());
+  return folder;
 }
 
-int complain(const Failure& failure) {
-  return complain(failure.reason,
-                  failure.fault == Fault::invalid ? k_exit_bad_input : k_exit_infrastructure);
+RunCallbacks callbacks_for(Progress& progress, std::function<std::string(const Cell&)> label) {
+  RunCallbacks callbacks;
+  callbacks.cell_begins = [&progress, label](const Cell& cell, std::size_t) {
+    progress.begin(label(cell));
+  };
+  callbacks.after_step = [&progress](double share) {
+    progress.update(share);
+    return true;
+  };
+  callbacks.cell_ends = [&progress, label](const CellOutcome& done, std::size_t) {
+    progress.end(fmt::format("{}: {}{}{}, {}", label(done.cell), done.outcome,
+                             done.reason.empty() ? "" : ": ", done.reason,
+                             duration_text(done.wall_s)));
+  };
+  return callbacks;
 }
 
 }  // namespace brickbench

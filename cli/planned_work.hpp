@@ -1,0 +1,42 @@
+// What the verbs that run cells have in common: a plan, its cells, a new folder, progress.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/terminal.hpp"
+#include "experiments/record/provenance.hpp"
+#include "experiments/run/cell.hpp"
+#include "experiments/run/run_plan.hpp"
+
+namespace brickbench {
+
+struct PlanChoice {
+  std::string plan;
+  Overrides overrides;
+};
+
+// The required plan, by CLI11's names for it, and the options --set, --engine and --only.
+void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names = "plan");
+
+struct PlannedWork {
+  Catalogues catalogues;
+  Plan plan;
+  std::vector<Cell> cells;
+  Provenance provenance;  // of a run that starts now
+};
+
+// Reads the plan; nullopt after a complaint on standard error, which is always bad input.
+std::optional<PlannedWork> planned_work(const PlanChoice& choice,
+                                        const std::vector<std::string>& arguments);
+
+// Makes the folder `out`, or results/<plan>-<number> if `out` is empty; an existing one is refused.
+Expected<std::filesystem::path> new_results_folder(const std::string& out, const Plan& plan);
+
+// What shows a run's cells on `progress`, which must outlive the callbacks.
+RunCallbacks callbacks_for(Progress& progress, std::function<std::string(const Cell&)> label);
+
+}  // namespace brickbench
