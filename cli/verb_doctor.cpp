@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "cli/build_facts.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/provenance.hpp"

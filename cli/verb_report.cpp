@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "cli/report_output.hpp"
 #include "cli/verbs.hpp"
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "cli/complain.hpp"
 #include "cli/planned_work.hpp"
 #include "cli/terminal.hpp"

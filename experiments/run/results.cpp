@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
