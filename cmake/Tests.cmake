@@ -19,8 +19,7 @@ function(brickbench_test name)
     add_dependencies(unit_tests ${name})
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  # Checking code runs once per build: compiling it thoroughly costs more than it saves.
-  target_compile_options(${name} PRIVATE $<IF:$<BOOL:${BRICKBENCH_SANITIZE}>,-O0,-O1>)
+  brickbench_light(${name})
   target_link_libraries(${name} PRIVATE brickbench_options brickbench_test_support
                         ${ARG_LINK} GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
