@@ -112,8 +112,8 @@ class Energy : public Metric {
   double work_of_step_j(const Sample& sample) {
     double work_j = 0.0;
     for (std::size_t i = 0; i < sample.wrenches.size(); ++i) {
-      if (world_.bodies[i].fixed) continue;
       const Wrench& wrench = sample.wrenches[i];
+      if (is_zero(wrench) || world_.bodies[i].fixed) continue;
       const State& after = sample.states[i];
       const double of_body_j =
           0.5 * step_s_ *

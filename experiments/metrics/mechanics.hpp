@@ -25,4 +25,9 @@ inline Eigen::Vector3d spin_nms(const Body& body, const State& state) {
          body.inertia_kgm2.cwiseProduct(to_world.conjugate() * state.angular_velocity_radps);
 }
 
+// Most wrenches of a run are, and a zero term changes no sum of finite numbers.
+inline bool is_zero(const Wrench& wrench) {
+  return (wrench.force_n.array() == 0.0).all() && (wrench.torque_nm.array() == 0.0).all();
+}
+
 }  // namespace brickbench

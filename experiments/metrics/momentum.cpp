@@ -97,6 +97,11 @@ struct Impulses {
   double linear_size_ns = 0.0;
   double angular_size_nms = 0.0;
 
+  // An impulse through the common centre of mass, of known size.
+  void add_central(const Eigen::Vector3d& impulse_ns, double size_ns) {
+    linear_ns += impulse_ns;
+    linear_size_ns += size_ns;
+  }
   // An impulse at the arm from the common centre of mass, and a couple.
   void add(const Eigen::Vector3d& impulse_ns, const Eigen::Vector3d& arm_m,
            const Eigen::Vector3d& couple_nms) {
@@ -127,6 +132,11 @@ class MomentumBalance : public Metric {
         guard_(scene.world) {
     has_fixed_ = std::any_of(world_.bodies.begin(), world_.bodies.end(),
                              [](const Body& body) { return body.fixed; });
+    for (const Body& body : world_.bodies) {
+      if (body.fixed) continue;
+      const Eigen::Vector3d impulse_ns = body.mass_kg * step_s_ * world_.gravity_mps2;
+      weights_.push_back({impulse_ns, impulse_ns.norm()});
+    }
   }
 
   void observe(const Sample& sample) override {
@@ -192,16 +202,12 @@ class MomentumBalance : public Metric {
 
   // Uniform gravity has no moment about the common centre of mass.
   void add_gravity() {
-    for (const Body& body : world_.bodies) {
-      if (body.fixed) continue;
-      known_.add(body.mass_kg * step_s_ * world_.gravity_mps2, Eigen::Vector3d::Zero(),
-                 Eigen::Vector3d::Zero());
-    }
+    for (const Weight& weight : weights_) known_.add_central(weight.impulse_ns, weight.size_ns);
   }
 
   void add_wrenches(const Sample& sample, const Eigen::Vector3d& center_m) {
     for (std::size_t i = 0; i < sample.wrenches.size(); ++i) {
-      if (world_.bodies[i].fixed) continue;
+      if (is_zero(sample.wrenches[i]) || world_.bodies[i].fixed) continue;
       const Eigen::Vector3d arm_m =
           0.5 * (before_[i].position_m + sample.states[i].position_m) - center_m;
       known_.add(step_s_ * sample.wrenches[i].force_n, arm_m,
@@ -224,8 +230,15 @@ class MomentumBalance : public Metric {
     }
   }
 
+  // What gravity gives to one moving body in a step.
+  struct Weight {
+    Eigen::Vector3d impulse_ns;
+    double size_ns;
+  };
+
   World world_;
   double step_s_;
+  std::vector<Weight> weights_;  // of the moving bodies
   std::vector<State> before_;
   StateGuard guard_;
   bool has_fixed_ = false;

@@ -4,13 +4,8 @@
 
 namespace brickbench {
 
-void StateHash::observe(const Sample& sample) {
-  all_ = hash_states(sample.states, all_);
-  last_ = hash_states(sample.states);
-}
+void StateHash::observe(const Sample& sample) { hash_ = hash_states(sample.states, hash_); }
 
-std::string StateHash::hex() const { return fmt::format("{:016x}", all_); }
-
-std::string StateHash::final_hex() const { return fmt::format("{:016x}", last_); }
+std::string StateHash::hex() const { return fmt::format("{:016x}", hash_); }
 
 }  // namespace brickbench

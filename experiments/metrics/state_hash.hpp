@@ -15,12 +15,9 @@ class StateHash {
   void observe(const Sample& sample);
   // 16 hexadecimal digits: all states of all steps so far, in order.
   std::string hex() const;
-  // 16 hexadecimal digits: the states of the last step alone.
-  std::string final_hex() const;
 
  private:
-  std::uint64_t all_ = 0;
-  std::uint64_t last_ = 0;
+  std::uint64_t hash_ = 0;
 };
 
 }  // namespace brickbench

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "experiments/metrics/outputs.hpp"
 #include "tests/unit/metrics/metric_runs.hpp"
 
 namespace brickbench::testing {
@@ -40,6 +41,46 @@ TEST(EveryMetric, RefusesAQuaternionThatIsNoRotation) {
     return states;
   };
   EXPECT_TRUE(std::isnan(value(measure("energy", run), "energy_created_j")));
+}
+
+// The quick answer for almost every state is never another one than that of the definition.
+TEST(StateGuard, AdmitsWhatIsFiniteAndARotation) {
+  constexpr double huge = std::numeric_limits<double>::max();
+  World world;
+  world.bodies = {solid_body("b", SphereShape{0.5}, 1.0)};
+  const auto admits = [&](const State& state) {
+    StateGuard guard(world);
+    Sample sample;
+    sample.states = {&state, 1};
+    return guard.admits(sample);
+  };
+  std::string wrong;
+  for (int place = 0; place < 13; ++place) {
+    for (const double value : {huge, -huge, 1.0, -0.0, HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+      State state;
+      double* const groups[] = {state.position_m.data(), state.velocity_mps.data(),
+                                state.angular_velocity_radps.data()};
+      if (place < 9) {
+        groups[place / 3][place % 3] = value;
+        if (std::isfinite(value)) groups[place / 3][(place + 1) % 3] = value;
+      } else {
+        state.orientation.coeffs().setZero();
+        state.orientation.coeffs()[place - 9] = value;
+      }
+      const bool expected =
+          place < 9 ? std::isfinite(value) : std::abs(std::abs(value) - 1.0) <= 0.01;
+      if (admits(state) != expected) wrong = "place " + std::to_string(place);
+    }
+  }
+  for (int step = -200; step <= 200; ++step) {
+    const double length = 1.0 + 1e-4 * (step + 0.5);
+    State state;
+    state.orientation.coeffs() = length * Eigen::Vector4d(0.5, -0.5, 0.5, 0.5);
+    if (admits(state) != (std::abs(length - 1.0) <= 0.01)) {
+      wrong = "length " + std::to_string(length);
+    }
+  }
+  EXPECT_EQ(wrong, "");
 }
 
 TEST(EveryMetric, ReportsExactlyWhatItDeclares) {
