@@ -9,6 +9,7 @@
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/run/trajectory_choice.hpp"
+#include "experiments/sweep/database.hpp"
 #include "experiments/sweep/inventory.hpp"
 #include "experiments/sweep/merge.hpp"
 #include "experiments/sweep/run_sweep.hpp"
@@ -29,6 +30,7 @@ struct RunChoice {
 struct FolderChoice {
   std::string folder;
   std::string out;
+  std::string database;
   bool json = false;
 };
 
@@ -165,24 +167,43 @@ int status(const FolderChoice& choice) {
   return code;
 }
 
+Expected<MergeSummary> merge_as_asked(const Sweep& sweep, const FolderChoice& choice) {
+  Expected<MergeSummary> summary;
+  if (!choice.out.empty()) {
+    const std::filesystem::path out = choice.out;
+    auto timings = out;
+    timings.replace_extension(".timings.csv");
+    summary =
+        out.extension() == ".csv" ? merge(sweep, {out, timings}) : merge_to_folder(sweep, out);
+  }
+  if (choice.database.empty() || !summary || !summary->missing.empty()) return summary;
+  auto stored = merge_to_database(sweep, choice.database);
+  if (!stored || choice.out.empty()) return stored;
+  return summary;
+}
+
 int merge_verb(const FolderChoice& choice) {
+  if (choice.out.empty() && choice.database.empty()) {
+    return complain({Fault::invalid, "name where to merge to: --out, --sqlite, or both"});
+  }
   const auto sweep = read_sweep(choice.folder);
   if (!sweep) return complain(sweep.error());
-  const std::filesystem::path out = choice.out;
-  auto timings = out;
-  timings.replace_extension(".timings.csv");
-  const auto summary =
-      out.extension() == ".csv" ? merge(*sweep, out, timings) : merge_to_folder(*sweep, out);
+  const auto summary = merge_as_asked(*sweep, choice);
   if (!summary) return complain(summary.error());
   const bool complete = summary->missing.empty();
   const int code = code_of(!complete, summary->failed);
   if (choice.json) {
     auto missing = nlohmann::ordered_json::array();
     for (const std::size_t cell : summary->missing) missing.push_back(sweep->cells[cell].cell);
-    const nlohmann::ordered_json json = {
-        {"out", choice.out},         {"cells", summary->cells},   {"missing", missing},
-        {"damage", summary->damage}, {"failed", summary->failed}, {"rows_bytes", summary->bytes},
-        {"exit_code", code}};
+    const nlohmann::ordered_json json = {{"out", choice.out},
+                                         {"sqlite", choice.database},
+                                         {"cells", summary->cells},
+                                         {"missing", missing},
+                                         {"damage", summary->damage},
+                                         {"failed", summary->failed},
+                                         {"rows_bytes", summary->bytes},
+                                         {"trajectories", summary->recorded},
+                                         {"exit_code", code}};
     fmt::print("{}\n", json.dump(2));
     return code;
   }
@@ -195,7 +216,9 @@ int merge_verb(const FolderChoice& choice) {
     }
     return code;
   }
-  fmt::print("{} cells merged to {}; {} failed.\n", summary->cells, choice.out, summary->failed);
+  const char* both = !choice.out.empty() && !choice.database.empty() ? " and " : "";
+  fmt::print("{} cells merged to {}{}{}; {} failed.\n", summary->cells, choice.out, both,
+             choice.database, summary->failed);
   return code;
 }
 
@@ -221,19 +244,27 @@ void add_run(CLI::App& sweep, Invocation& invocation) {
   verb->callback([choice, &invocation] { invocation.exit_code = run(*choice, invocation); });
 }
 
-void add_folder_verb(CLI::App& sweep, Invocation& invocation, const char* name, const char* what,
-                     bool with_out, int (*act)(const FolderChoice&)) {
+// A verb on the folder of a sweep; returns it for further options.
+CLI::App* add_folder_verb(CLI::App& sweep, Invocation& invocation, const char* name,
+                          const char* what, std::shared_ptr<FolderChoice> choice,
+                          int (*act)(const FolderChoice&)) {
   CLI::App* verb = sweep.add_subcommand(name, what);
-  auto choice = std::make_shared<FolderChoice>();
   verb->add_option("folder", choice->folder, "Folder of the sweep")->required();
-  if (with_out) {
-    verb->add_option("--out", choice->out,
-                     "New FILE.csv for the rows, with FILE.timings.csv beside it; or a new results "
-                     "folder for reports")
-        ->required();
-  }
   verb->add_flag("--json", choice->json, "The result as JSON on standard output");
   verb->callback([choice, act, &invocation] { invocation.exit_code = act(*choice); });
+  return verb;
+}
+
+void add_merge(CLI::App& sweep, Invocation& invocation) {
+  auto choice = std::make_shared<FolderChoice>();
+  CLI::App* verb =
+      add_folder_verb(sweep, invocation, "merge", "Join the results of all cells, in plan order",
+                      choice, merge_verb);
+  verb->add_option("--out", choice->out,
+                   "New FILE.csv for the rows, with FILE.timings.csv beside it; or a new results "
+                   "folder for reports");
+  verb->add_option("--sqlite", choice->database,
+                   "New SQLite database with the tables `rows` and `cells`");
 }
 
 }  // namespace
@@ -244,9 +275,9 @@ void add_sweep_verb(CLI::App& app, Invocation& invocation) {
   sweep->require_subcommand(1);
   add_sweep_plan_verb(*sweep, invocation);
   add_run(*sweep, invocation);
-  add_folder_verb(*sweep, invocation, "status", "What a sweep has and lacks", false, status);
-  add_folder_verb(*sweep, invocation, "merge", "Join the results of all cells, in plan order", true,
-                  merge_verb);
+  add_folder_verb(*sweep, invocation, "status", "What a sweep has and lacks",
+                  std::make_shared<FolderChoice>(), status);
+  add_merge(*sweep, invocation);
   add_sweep_submit_verb(*sweep, invocation);
 }
 

@@ -35,6 +35,7 @@ build|libhwy-dev|Highway: SIMD kernels of our engine|hwy/highway.h
 build|zlib1g-dev|zlib: replays inside report pages|zlib.h
 build|libmetis-dev|METIS: orders our engine's sparse systems|metis.h
 build|libhdf5-dev|HDF5: recorded trajectories|hdf5.h,hdf5/serial/hdf5.h
+build|libsqlite3-dev|SQLite: sweeps merged to a database|sqlite3.h
 engines|libbullet-dev|Bullet, in double precision|bullet/btBulletDynamicsCommon.h
 engines|libode-dev|Open Dynamics Engine|ode/ode.h
 engines|libmujoco-dev|MuJoCo|mujoco/mujoco.h

@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "experiments/record/csv_text.hpp"
+
 namespace brickbench {
 namespace {
 
@@ -105,20 +107,23 @@ std::string to_csv(std::span<const Record> records) {
   return text;
 }
 
-template <typename Record>
-Expected<std::vector<Record>> read_csv(const std::filesystem::path& file) {
+namespace {
+
+// `name` stands in messages; the source is what the reader is made from.
+template <typename Record, typename... Source>
+Expected<std::vector<Record>> read_all(const std::string& name, const Source&... source) {
   constexpr std::size_t n = Schema<Record>::size;
   const auto columns = Schema<Record>::columns();
   try {
-    io::CSVReader<n, io::trim_chars<>, io::double_quote_escape<',', '"'>> reader(file.string());
+    io::CSVReader<n, io::trim_chars<>, io::double_quote_escape<',', '"'>> reader(name, source...);
     read_names(reader, columns, std::make_index_sequence<n>{});
     std::vector<Record> records;
     std::array<char*, n> fields{};
     while (read_fields(reader, fields, std::make_index_sequence<n>{})) {
       auto record = to_record<Record>(columns, fields);
       if (!record) {
-        return fail(Fault::invalid, fmt::format("{}:{}: {}", file.string(), reader.get_file_line(),
-                                                record.error().reason));
+        return fail(Fault::invalid,
+                    fmt::format("{}:{}: {}", name, reader.get_file_line(), record.error().reason));
       }
       records.push_back(std::move(*record));
     }
@@ -126,10 +131,21 @@ Expected<std::vector<Record>> read_csv(const std::filesystem::path& file) {
   } catch (const std::exception& error) {
     const auto* place = dynamic_cast<const io::error::with_file_line*>(&error);
     const std::string at = place != nullptr && place->file_line > 0
-                               ? fmt::format("{}:{}", file.string(), place->file_line)
-                               : file.string();
+                               ? fmt::format("{}:{}", name, place->file_line)
+                               : name;
     return fail(Fault::invalid, fmt::format("{}: {}", at, error.what()));
   }
+}
+
+}  // namespace
+
+template <typename Record>
+Expected<std::vector<Record>> read_csv(const std::filesystem::path& file) {
+  return read_all<Record>(file.string());
+}
+
+Expected<std::vector<Row>> rows_from_csv(std::string_view text, const std::string& name) {
+  return read_all<Row>(name, text.data(), text.data() + text.size());
 }
 
 template std::string to_csv<Row>(std::span<const Row>);

@@ -8,6 +8,7 @@
 
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
+#include "experiments/record/trajectory.hpp"
 #include "experiments/sweep/inventory.hpp"
 
 namespace brickbench {
@@ -76,7 +77,86 @@ class Table {
   std::uint64_t bytes_ = 0;
 };
 
-Expected<MergeSummary> append_cells(const Sweep& sweep, Table& rows, Table& timings) {
+struct Tables {
+  Table rows;
+  Table timings;
+  std::optional<Table> series;
+
+  static Expected<Tables> open(const Sweep& sweep, const MergeFiles& files) {
+    auto rows = Table::open(files.rows, sweep.rows_header);
+    if (!rows) return tl::unexpected(rows.error());
+    if (rows->is_new() && fs::exists(fs::symlink_status(files.timings))) {
+      return fail(Fault::invalid, fmt::format("'{}' exists already", files.timings.string()));
+    }
+    auto timings = Table::open(files.timings, sweep.timings_header);
+    if (!timings) return tl::unexpected(timings.error());
+    Tables tables{std::move(*rows), std::move(*timings), std::nullopt};
+    if (files.series.empty()) return tables;
+    auto series = Table::open(files.series, sweep.series_header);
+    if (!series) return tl::unexpected(series.error());
+    tables.series.emplace(std::move(*series));
+    return tables;
+  }
+
+  Expected<void> append(const CellFile& cell) {
+    if (auto ok = rows.append(cell.rows); !ok) return ok;
+    if (series) {
+      if (auto ok = series->append(cell.series); !ok) return ok;
+    }
+    return rows.is_new() ? timings.append(cell.timings) : Expected<void>{};
+  }
+
+  // Rows last: where they are, everything is.
+  Expected<void> commit() {
+    if (rows.is_new()) {
+      if (auto ok = timings.commit(); !ok) return ok;
+    }
+    if (series) {
+      if (auto ok = series->commit(); !ok) return ok;
+    }
+    return rows.commit();
+  }
+};
+
+// The trajectories of the sweep's cells, each known to be one and of its cell.
+Expected<std::vector<fs::path>> checked_trajectories(const Sweep& sweep) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  if (!fs::is_directory(sweep.folder / "trajectories", error)) return files;
+  for (const PlannedCell& cell : sweep.cells) {
+    const fs::path file = trajectory_path(sweep.folder, cell.cell);
+    if (!fs::exists(file, error)) continue;
+    files.push_back(file);
+    if (!has_trajectories()) continue;
+    const auto trajectory = Trajectory::open(file);
+    if (trajectory && trajectory->header().cell == cell.cell) continue;
+    return fail(Fault::invalid,
+                fmt::format("{}; remove '{}' and give the command of the sweep again, and the cell "
+                            "is recorded anew",
+                            trajectory ? fmt::format("'{}' is the trajectory of another cell, {}",
+                                                     file.string(), trajectory->header().cell)
+                                       : trajectory.error().reason,
+                            result_path(sweep.folder, cell.cell).string()));
+  }
+  return files;
+}
+
+Expected<void> link_files(const std::vector<fs::path>& files, const fs::path& folder) {
+  std::error_code error;
+  if (!files.empty()) fs::create_directories(folder, error);
+  for (const fs::path& file : files) {
+    if (error) break;
+    fs::create_hard_link(file, folder / file.filename(), error);
+    if (error) fs::copy_file(file, folder / file.filename(), error);
+  }
+  if (!error) return {};
+  return fail(Fault::crashed, fmt::format("cannot bring the trajectories to '{}': {}",
+                                          folder.string(), error.message()));
+}
+
+}  // namespace
+
+Expected<MergeSummary> for_each_result(const Sweep& sweep, const ResultVisitor& visit) {
   MergeSummary summary;
   summary.cells = sweep.cells.size();
   for (std::size_t i = 0; i < sweep.cells.size(); ++i) {
@@ -86,55 +166,44 @@ Expected<MergeSummary> append_cells(const Sweep& sweep, Table& rows, Table& timi
       summary.missing.push_back(i);
       continue;
     }
-    const CellFile& cell = **found;
-    if (is_failure(sweep.cells[i], cell.outcome)) ++summary.failed;
+    if (is_failure(sweep.cells[i], (*found)->outcome)) ++summary.failed;
     if (!summary.missing.empty()) continue;
-    if (auto ok = rows.append(cell.rows); !ok) return tl::unexpected(ok.error());
-    if (!rows.is_new()) continue;
-    if (auto ok = timings.append(cell.timings); !ok) return tl::unexpected(ok.error());
+    if (auto ok = visit(sweep.cells[i], **found); !ok) return tl::unexpected(ok.error());
   }
   return summary;
 }
 
-}  // namespace
-
-Expected<MergeSummary> merge(const Sweep& sweep, const fs::path& rows, const fs::path& timings) {
-  auto row_table = Table::open(rows, sweep.rows_header);
-  if (!row_table) return tl::unexpected(row_table.error());
-  if (row_table->is_new() && fs::exists(fs::symlink_status(timings))) {
-    return fail(Fault::invalid, fmt::format("'{}' exists already", timings.string()));
-  }
-  auto timing_table = Table::open(timings, sweep.timings_header);
-  if (!timing_table) return tl::unexpected(timing_table.error());
-  auto summary = append_cells(sweep, *row_table, *timing_table);
+Expected<MergeSummary> merge(const Sweep& sweep, const MergeFiles& files) {
+  auto tables = Tables::open(sweep, files);
+  if (!tables) return tl::unexpected(tables.error());
+  auto summary = for_each_result(
+      sweep, [&](const PlannedCell&, const CellFile& result) { return tables->append(result); });
   if (!summary || !summary->missing.empty()) return summary;
-  summary->bytes = row_table->bytes();
-  if (row_table->is_new()) {
-    if (auto ok = timing_table->commit(); !ok) return tl::unexpected(ok.error());
-  }
-  if (auto ok = row_table->commit(); !ok) return tl::unexpected(ok.error());
+  summary->bytes = tables->rows.bytes();
+  if (auto ok = tables->commit(); !ok) return tl::unexpected(ok.error());
   return summary;
 }
 
 Expected<MergeSummary> merge_to_folder(const Sweep& sweep, const fs::path& folder) {
   // Complete or not must be known before the folder is made.
-  MergeSummary first;
-  const auto states = take_inventory(sweep);
-  first.cells = states.size();
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (!states[i].damage.empty()) first.damage.push_back(states[i].damage);
-    if (!states[i].is_done()) first.missing.push_back(i);
-  }
-  if (!first.missing.empty()) return first;
+  auto first =
+      for_each_result(sweep, [](const PlannedCell&, const CellFile&) { return Expected<void>{}; });
+  if (!first || !first->missing.empty()) return first;
+  const auto trajectories = checked_trajectories(sweep);
+  if (!trajectories) return tl::unexpected(trajectories.error());
   if (auto ok = create_new_folder(folder); !ok) return tl::unexpected(ok.error());
   const std::string provenance = to_json(sweep.provenance).dump(2) + '\n';
   for (const auto& [name, content] :
        {std::pair<const char*, std::string>{"plan.toml", sweep.plan_text},
-        {"provenance.json", provenance},
-        {"series.csv", to_csv<SeriesPoint>({})}}) {
+        {"provenance.json", provenance}}) {
     if (auto ok = write_new_file(folder / name, content); !ok) return tl::unexpected(ok.error());
   }
-  return merge(sweep, folder / "rows.csv", folder / "timings.csv");
+  if (auto ok = link_files(*trajectories, folder / "trajectories"); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  auto summary = merge(sweep, {folder / "rows.csv", folder / "timings.csv", folder / "series.csv"});
+  if (summary) summary->recorded = trajectories->size();
+  return summary;
 }
 
 }  // namespace brickbench

@@ -13,14 +13,14 @@ namespace brickbench {
 namespace {
 
 constexpr std::string_view k_magic = "brickbench-cell";
-constexpr std::string_view k_version = "1";
+constexpr std::string_view k_version = "2";
 
 // The lines of a CSV text without its header.
 std::string without_header(const std::string& csv) { return csv.substr(csv.find('\n') + 1); }
 
 std::string start_of(const CellFile& file) {
-  return fmt::format("{} {} {} {} {} {} {} ", k_magic, k_version, file.id, file.outcome,
-                     file.reason.size(), file.rows.size(), file.timings.size());
+  return fmt::format("{} {} {} {} {} {} {} {} ", k_magic, k_version, file.id, file.outcome,
+                     file.reason.size(), file.rows.size(), file.timings.size(), file.series.size());
 }
 
 std::string checksum_of(std::string_view start, std::string_view body) {
@@ -44,22 +44,24 @@ std::vector<std::string_view> words_of(std::string_view line) {
 
 std::filesystem::path path_of(const std::filesystem::path& sweep, const char* kind,
                               std::string_view id, const char* extension) {
-  std::string name(id);
-  name += extension;
-  return sweep / kind / std::string(id.substr(0, 2)) / name;
+  // As one text: a hundred thousand of these are made before a sweep goes on.
+  return fmt::format("{}/{}/{}/{}{}", sweep.native(), kind, id.substr(0, 2), id, extension);
 }
 
 }  // namespace
 
-CellFile cell_file(const CellResult& result) {
-  return {result.timing.cell, result.outcome, result.reason,
+CellFile cell_file(const CellResult& result, bool with_series) {
+  return {result.timing.cell,
+          result.outcome,
+          result.reason,
           without_header(to_csv<Row>(result.rows)),
-          without_header(to_csv<Timing>({&result.timing, 1}))};
+          without_header(to_csv<Timing>({&result.timing, 1})),
+          with_series ? without_header(to_csv<SeriesPoint>(result.series)) : ""};
 }
 
 std::string to_text(const CellFile& file) {
   const std::string start = start_of(file);
-  const std::string body = file.reason + file.rows + file.timings;
+  const std::string body = file.reason + file.rows + file.timings + file.series;
   return start + checksum_of(start, body) + '\n' + body;
 }
 
@@ -69,11 +71,12 @@ Expected<CellFile> parse_cell_file(std::string_view text, std::string_view id) {
   const std::string_view line = text.substr(0, end);
   const std::string_view body = text.substr(end + 1);
   const auto words = words_of(line);
-  if (words.size() != 8 || words[0] != k_magic) return fail(Fault::invalid, "not a result file");
+  if (words.size() < 2 || words[0] != k_magic) return fail(Fault::invalid, "not a result file");
   if (words[1] != k_version) {
     return fail(Fault::invalid, fmt::format("format {}, not {}", words[1], k_version));
   }
-  std::array<std::uint64_t, 3> sizes{};
+  if (words.size() != 9) return fail(Fault::invalid, "its first line is damaged");
+  std::array<std::uint64_t, 4> sizes{};
   std::uint64_t total = 0;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const auto size = parse_count(words[4 + i]);
@@ -84,13 +87,22 @@ Expected<CellFile> parse_cell_file(std::string_view text, std::string_view id) {
   if (total != body.size()) {
     return fail(Fault::invalid, fmt::format("it has {} bytes of {}", body.size(), total));
   }
-  if (checksum_of(line.substr(0, line.size() - words[7].size()), body) != words[7]) {
+  if (checksum_of(line.substr(0, line.size() - words[8].size()), body) != words[8]) {
     return fail(Fault::invalid, "the checksum does not fit");
   }
   if (words[2] != id) return fail(Fault::invalid, fmt::format("it is of cell {}", words[2]));
-  return CellFile{
-      std::string(words[2]), std::string(words[3]), std::string(body.substr(0, sizes[0])),
-      std::string(body.substr(sizes[0], sizes[1])), std::string(body.substr(sizes[0] + sizes[1]))};
+  std::array<std::string, 4> parts;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i] = body.substr(at, sizes[i]);
+    at += sizes[i];
+  }
+  return CellFile{.id = std::string(words[2]),
+                  .outcome = std::string(words[3]),
+                  .reason = std::move(parts[0]),
+                  .rows = std::move(parts[1]),
+                  .timings = std::move(parts[2]),
+                  .series = std::move(parts[3])};
 }
 
 std::filesystem::path result_path(const std::filesystem::path& sweep, std::string_view id) {

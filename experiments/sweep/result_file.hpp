@@ -2,9 +2,10 @@
 // record that the cell is done.
 //
 // One line
-//   brickbench-cell 1 <id> <outcome> <bytes of reason> <of rows> <of timings> <XXH3-128>
-// then reason, rows and timings, the latter two as the lines of CSV without the header. The
-// checksum is that of everything else in the file.
+//   brickbench-cell 2 <id> <outcome> <bytes of reason> <of rows> <of timings> <of series>
+//   <XXH3-128>
+// then reason, rows, timings and series, the latter three as the lines of CSV without the header.
+// The checksum is that of everything else in the file.
 #pragma once
 
 #include <filesystem>
@@ -21,9 +22,11 @@ struct CellFile {
   std::string reason;
   std::string rows;     // lines of rows.csv
   std::string timings;  // lines of timings.csv
+  std::string series;   // lines of series.csv; empty unless the cell is recorded
 };
 
-CellFile cell_file(const CellResult& result);
+// The curves go into the file only where `with_series`: they are some hundred kilobytes.
+CellFile cell_file(const CellResult& result, bool with_series = false);
 
 std::string to_text(const CellFile& file);
 

@@ -74,7 +74,8 @@ void remove_leftovers(const fs::path& file) {
   }
 }
 
-Expected<void> write_result(const fs::path& sweep, const CellResult& result) {
+Expected<void> write_result(const fs::path& sweep, const CellResult& result,
+                            bool with_series = false) {
   const fs::path file = result_path(sweep, result.timing.cell);
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
@@ -82,7 +83,7 @@ Expected<void> write_result(const fs::path& sweep, const CellResult& result) {
     return fail(Fault::crashed, fmt::format("cannot create folder '{}': {}",
                                             file.parent_path().string(), error.message()));
   }
-  return replace_file(file, to_text(cell_file(result)));
+  return replace_file(file, to_text(cell_file(result, with_series)));
 }
 
 struct Running {
@@ -212,7 +213,7 @@ class Pool {
           fmt::format("not done within the limit of {} s of CPU time", cell.time_limit_s));
       result.timing = timing;
     }
-    const auto written = write_result(sweep_.folder, result);
+    const auto written = write_result(sweep_.folder, result, cell.recording.has_value());
     if (!written) return k_not_written + written.error().reason;
     return k_written + result.outcome + '\n' + result.reason;
   }

@@ -16,7 +16,7 @@ namespace brickbench {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_schema = 1;
+constexpr int k_schema = 2;
 
 template <typename Record>
 std::string header() {
@@ -35,6 +35,7 @@ nlohmann::ordered_json to_json(const Sweep& sweep) {
           {"list", sweep.list},
           {"rows_header", sweep.rows_header},
           {"timings_header", sweep.timings_header},
+          {"series_header", sweep.series_header},
           {"set", sweep.overrides.set},
           {"engines", sweep.overrides.engines},
           {"only", sweep.overrides.only},
@@ -53,6 +54,7 @@ Expected<Sweep> sweep_from_json(const nlohmann::ordered_json& json, const fs::pa
     sweep.list = json.at("list");
     sweep.rows_header = json.at("rows_header");
     sweep.timings_header = json.at("timings_header");
+    sweep.series_header = json.at("series_header");
     sweep.overrides.set = json.at("set");
     sweep.overrides.engines = json.at("engines");
     sweep.overrides.only = json.at("only");
@@ -111,17 +113,63 @@ std::string difference(const Sweep& before, const Sweep& after) {
   return text + "name a new folder, or go back to what the folder was made with";
 }
 
-// Writes the folder's description; true if this process did, false if another one had.
+// Writes the folder's description; true if this process did, false if another one had. A failure
+// that leaves the file there is one of a race, and no failure: see tidy().
 Expected<bool> write_sweep(const Sweep& sweep, const std::string& csv) {
   if (!fs::exists(sweep.folder / sweep.list)) {
-    if (auto ok = replace_file(sweep.folder / sweep.list, csv); !ok)
-      return tl::unexpected(ok.error());
+    const auto listed = replace_file(sweep.folder / sweep.list, csv);
+    if (!listed && !fs::exists(sweep.folder / sweep.list)) return tl::unexpected(listed.error());
   }
   const std::string json = to_json(sweep).dump(2) + '\n';
   const auto written = write_new_file(sweep.folder / "sweep.json", json);
   if (written) return true;
-  if (written.error().fault == Fault::invalid) return false;
+  if (fs::exists(sweep.folder / "sweep.json")) return false;
   return tl::unexpected(written.error());
+}
+
+// Removes what processes that were killed while they made the folder have left of its files. One
+// that is alive and still at it loses a copy of what is there already.
+void tidy(const Sweep& sweep) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(sweep.folder, error)) {
+    if (entry.path().filename().string().find(".tmp.") != std::string::npos) {
+      fs::remove(entry.path(), error);
+    }
+  }
+  // For people only.
+  if (fs::exists(sweep.folder / "plan.toml", error)) return;
+  (void)replace_file(sweep.folder / "plan.toml", sweep.plan_text);
+}
+
+// What sweep.json says; the cells are missing.
+Expected<Sweep> read_description(const fs::path& folder) {
+  const fs::path file = folder / "sweep.json";
+  std::error_code error;
+  if (!fs::exists(file, error)) {
+    return fail(Fault::invalid,
+                fmt::format("'{}' is not the folder of a sweep: no sweep.json", folder.string()));
+  }
+  const auto text = read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  const auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
+  if (json.is_discarded()) return damaged(file, "not JSON");
+  auto sweep = sweep_from_json(json, file);
+  if (sweep) sweep->folder = folder;
+  return sweep;
+}
+
+// The same with the cells of its list.
+Expected<Sweep> read_cells(Sweep sweep) {
+  const fs::path file = sweep.folder / sweep.list;
+  const auto csv = read_file(file);
+  if (!csv) return tl::unexpected(csv.error());
+  if (list_name(*csv) != sweep.list) {
+    return damaged(file, "the checksum in its name does not fit");
+  }
+  auto cells = read_csv<PlannedCell>(file);
+  if (!cells) return tl::unexpected(cells.error());
+  sweep.cells = std::move(*cells);
+  return sweep;
 }
 
 // Fault::invalid if there is something in the folder that no sweep has put there.
@@ -163,6 +211,7 @@ Expected<Sweep> open_sweep(const fs::path& folder, const Plan& plan, const Overr
               .cells = std::move(cells),
               .rows_header = header<Row>(),
               .timings_header = header<Timing>(),
+              .series_header = header<SeriesPoint>(),
               .plan_text = plan.text,
               .overrides = overrides,
               .provenance = provenance};
@@ -179,38 +228,28 @@ Expected<Sweep> open_sweep(const fs::path& folder, const Plan& plan, const Overr
     const auto first = write_sweep(sweep, csv);
     if (!first) return tl::unexpected(first.error());
     if (*first) {
-      (void)replace_file(folder / "plan.toml", plan.text);  // for people only
+      tidy(sweep);
       return sweep;
     }
   }
-  auto stored = read_sweep(folder);
+  auto stored = read_description(folder);
   if (!stored) return stored;
-  if (stored->list == sweep.list) return stored;
+  if (stored->list == sweep.list) {
+    // Its own list of cells need not be read line by line if it is what was just written down.
+    if (read_file(folder / sweep.list) != csv) return read_cells(std::move(*stored));
+    stored->cells = std::move(sweep.cells);
+    tidy(*stored);
+    return stored;
+  }
+  stored = read_cells(std::move(*stored));
+  if (!stored) return stored;
   return fail(Fault::invalid, difference(*stored, sweep));
 }
 
 Expected<Sweep> read_sweep(const fs::path& folder) {
-  const fs::path file = folder / "sweep.json";
-  std::error_code error;
-  if (!fs::exists(file, error)) {
-    return fail(Fault::invalid,
-                fmt::format("'{}' is not the folder of a sweep: no sweep.json", folder.string()));
-  }
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  const auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
-  if (json.is_discarded()) return damaged(file, "not JSON");
-  auto sweep = sweep_from_json(json, file);
+  auto sweep = read_description(folder);
   if (!sweep) return sweep;
-  sweep->folder = folder;
-  const auto csv = read_file(folder / sweep->list);
-  if (!csv) return tl::unexpected(csv.error());
-  if (list_name(*csv) != sweep->list)
-    return damaged(folder / sweep->list, "the checksum in its name does not fit");
-  auto cells = read_csv<PlannedCell>(folder / sweep->list);
-  if (!cells) return tl::unexpected(cells.error());
-  sweep->cells = std::move(*cells);
-  return sweep;
+  return read_cells(std::move(*sweep));
 }
 
 }  // namespace brickbench

@@ -5,6 +5,7 @@
 //   plan.toml         the plan, for people
 //   cells/ab/*.cell   one result file per finished cell
 //   logs/ab/*.log     what failed cells printed
+//   trajectories/*.h5 the motion of the cells that the plan records
 //   claims            empty; locks on its bytes say which cells are being run
 #pragma once
 
@@ -25,6 +26,7 @@ struct Sweep {
   std::vector<PlannedCell> cells;  // in the order of the plan
   std::string rows_header;         // first line of the table of rows, without line end
   std::string timings_header;
+  std::string series_header;
   std::string plan_text;
   Overrides overrides;
   Provenance provenance;

@@ -66,12 +66,14 @@ class SweepFaults : public TemporaryFolder {
     return children;
   }
 
-  std::size_t leftovers(const fs::path& folder) const {
-    std::size_t count = 0;
+  // What writers have left under temporary names.
+  std::vector<std::string> leftovers(const fs::path& folder) const {
+    std::vector<std::string> names;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-      if (entry.path().string().find(".tmp.") != std::string::npos) ++count;
+      const std::string name = fs::relative(entry.path(), folder).string();
+      if (name.find(".tmp.") != std::string::npos) names.push_back(name);
     }
-    return count;
+    return names;
   }
 
   std::string undisturbed(const SweepOfFakes& fakes) {
@@ -112,7 +114,7 @@ TEST_F(SweepFaults, KilledAtAHundredRandomMoments) {
       if (kills >= k_kills || status == -1) status = status_of(parent);
     }
     ASSERT_TRUE(merged(folder) == expected) << "after " << kills << " kills";
-    EXPECT_EQ(leftovers(folder), 0U);
+    EXPECT_EQ(leftovers(folder), std::vector<std::string>{});
   }
   RecordProperty("kills", kills);
   RecordProperty("killed_workers", killed_workers);
@@ -189,7 +191,7 @@ TEST_F(SweepFaults, LimitOfFileSizesIsNamedAndNothingHalfWritten) {
   EXPECT_EQ(status_of(pid), k_refused);
   EXPECT_NE(read_file(folder.string() + ".reason").value_or("").find("File too large"),
             std::string::npos);
-  EXPECT_EQ(leftovers(folder), 0U);
+  EXPECT_EQ(leftovers(folder), std::vector<std::string>{});
   EXPECT_EQ(sweep(fakes, folder), k_complete);
   EXPECT_TRUE(merged(folder) == expected) << "the rows differ";
 }
@@ -212,7 +214,7 @@ TEST_F(SweepFaults, FullDiskIsNamedAndTheWorkGoesOnOnceThereIsRoom) {
     if (sweep(fakes, disk / "s") != k_refused) return 10;
     const auto reason = read_file(disk / "s.reason");
     std::ofstream(folder_ / "reason") << reason.value_or("");
-    if (leftovers(disk) != 0) return 11;
+    if (!leftovers(disk).empty()) return 11;
     if (::mount("tmpfs", disk.c_str(), "tmpfs", MS_REMOUNT, "size=30m") != 0) return 12;
     if (sweep(fakes, disk / "s") != k_complete) return 13;
     return merged(disk / "s") == expected ? 0 : 14;

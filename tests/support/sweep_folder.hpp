@@ -72,7 +72,7 @@ class TemporaryFolder : public ::testing::Test {
     const auto sweep = read_sweep(folder);
     EXPECT_TRUE(sweep.has_value()) << sweep.error().reason;
     const auto rows = folder_ / ("rows" + std::to_string(++merges_) + ".csv");
-    const auto summary = merge(*sweep, rows, folder_ / (rows.stem().string() + ".timings.csv"));
+    const auto summary = merge(*sweep, {rows, folder_ / (rows.stem().string() + ".timings.csv")});
     EXPECT_TRUE(summary.has_value()) << summary.error().reason;
     return summary && summary->missing.empty() ? *read_file(rows) : "";
   }

@@ -68,7 +68,7 @@ TEST(LineDifference, NamesWhatWentAndWhatCame) {
 }
 
 TEST(ResultFile, ComesBackAndAnyDamageIsSeen) {
-  const CellFile file = {std::string(32, 'a'), "crashed", "two\nlines", "r1\nr2\n", "t\n"};
+  const CellFile file = {std::string(32, 'a'), "crashed", "two\nlines", "r1\nr2\n", "t\n", "s\n"};
   const std::string text = to_text(file);
   const auto back = parse_cell_file(text, file.id);
   ASSERT_TRUE(back.has_value()) << back.error().reason;
@@ -125,7 +125,9 @@ TEST_F(SweepFolder, DamagedFilesAreRunAgainAndMissingOnesNamed) {
   std::fstream(file(12), std::ios::in | std::ios::out).seekp(200).put('#');
   fs::remove(file(20));
   std::ofstream(file(21).string() + ".tmp.host.1.0") << "half";
-  const auto summary = merge(*sweep, folder_ / "m.csv", folder_ / "m.timings.csv");
+  std::ofstream(folder_ / "s" / "sweep.json.tmp.host.1.0") << "half";
+  fs::remove(folder_ / "s" / "plan.toml");
+  const auto summary = merge(*sweep, {folder_ / "m.csv", folder_ / "m.timings.csv"});
   ASSERT_TRUE(summary.has_value());
   EXPECT_EQ(summary->missing, (std::vector<std::size_t>{3, 8, 12, 20}));
   EXPECT_EQ(summary->damage.size(), 3U);
@@ -135,6 +137,8 @@ TEST_F(SweepFolder, DamagedFilesAreRunAgainAndMissingOnesNamed) {
   EXPECT_EQ(again->damaged, 3U);
   EXPECT_EQ(again->ran, 4U);
   EXPECT_EQ(merged(folder_ / "s"), whole);
+  EXPECT_FALSE(fs::exists(folder_ / "s" / "sweep.json.tmp.host.1.0"));
+  EXPECT_EQ(read_file(folder_ / "s" / "plan.toml").value_or(""), k_mixed);
 }
 
 TEST_F(SweepFolder, FailedCellsAreRunAgainOnlyOnRequest) {
@@ -187,7 +191,7 @@ TEST_F(SweepFolder, MergedTableIsNeverWrittenOver) {
   const SweepOfFakes fakes(k_mixed);
   ASSERT_TRUE(fakes.run(folder_ / "s").has_value());
   const auto sweep = read_sweep(folder_ / "s");
-  const auto to = [&] { return merge(*sweep, folder_ / "m.csv", folder_ / "m.timings.csv"); };
+  const auto to = [&] { return merge(*sweep, {folder_ / "m.csv", folder_ / "m.timings.csv"}); };
   EXPECT_TRUE(to().has_value());
   EXPECT_TRUE(to().has_value()) << "the same content again is fine";
   std::ofstream(folder_ / "m.csv", std::ios::app) << "x";
@@ -210,6 +214,63 @@ TEST_F(SweepFolder, MotionIsRecordedWhereThePlanSaysSo) {
   fs::resize_file(file, 0);
   ASSERT_TRUE(fakes.run(folder_ / "s").has_value());
   EXPECT_GT(fs::file_size(file), 0U);
+}
+
+// What `brickbench report` reads besides the rows.
+TEST_F(SweepFolder, ResultsFolderHoldsCurvesAndMotionWhateverTheSharding) {
+  if (!has_trajectories()) GTEST_SKIP() << no_trajectories_reason();
+  const SweepOfFakes fakes(fall_plan(R"(["good", "good/fancy", "nan"])",
+                                     "seeds = 3\nperturb = { position_m = 0.1 }\n"
+                                     "[trajectory]\nengines = [\"good\"]\n"));
+  ASSERT_TRUE(fakes.run(folder_ / "whole").has_value());
+  for (const std::size_t index : {1U, 0U}) {
+    ASSERT_TRUE(fakes.run(folder_ / "shards", {.shard = {.index = index, .count = 2}}).has_value());
+  }
+  std::map<std::string, std::string> files;
+  for (const char* name : {"whole", "shards"}) {
+    const auto summary =
+        merge_to_folder(*read_sweep(folder_ / name), folder_ / ("merged-" + std::string(name)));
+    ASSERT_TRUE(summary.has_value()) << summary.error().reason;
+    EXPECT_EQ(summary->recorded, 3U);
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "merged-whole")) {
+    const auto name = fs::relative(entry.path(), folder_ / "merged-whole");
+    if (!entry.is_regular_file() || name == "timings.csv") continue;
+    const auto whole = read_file(entry.path());
+    const auto shards = read_file(folder_ / "merged-shards" / name);
+    ASSERT_TRUE(whole && shards) << name;
+    EXPECT_TRUE(*whole == *shards) << name << " differs";
+    files[name.string()] = *whole;
+  }
+  EXPECT_EQ(files.size(), 4U + 3U) << "rows, series, plan, provenance and the motion of 3 cells";
+
+  // The curves are those of the recorded cells, as one process would have them.
+  std::vector<Cell> recorded;
+  for (const Cell& cell : fakes.cells) {
+    if (cell.recording) recorded.push_back(cell);
+  }
+  ASSERT_EQ(recorded.size(), 3U);
+  const auto alone = run_cells(recorded, fakes.catalogues, k_origin);
+  EXPECT_GT(alone.series.size(), 0U);
+  EXPECT_EQ(files["series.csv"], to_csv<SeriesPoint>(alone.series));
+}
+
+TEST_F(SweepFolder, DamagedMotionIsNamedBeforeAnythingIsMerged) {
+  if (!has_trajectories()) GTEST_SKIP() << no_trajectories_reason();
+  const SweepOfFakes fakes(fall_plan(R"(["good"])", "[trajectory]\n"));
+  const auto sweep = fakes.open(folder_ / "s");
+  ASSERT_TRUE(fakes.run(folder_ / "s").has_value());
+  const auto file = trajectory_path(folder_ / "s", sweep->cells[0].cell);
+  fs::resize_file(file, fs::file_size(file) / 2);
+  const auto refused = merge_to_folder(*sweep, folder_ / "m");
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_NE(refused.error().reason.find(file.string()), std::string::npos)
+      << refused.error().reason;
+  EXPECT_FALSE(fs::exists(folder_ / "m"));
+  // What the message advises helps.
+  fs::remove(result_path(folder_ / "s", sweep->cells[0].cell));
+  ASSERT_TRUE(fakes.run(folder_ / "s").has_value());
+  EXPECT_TRUE(merge_to_folder(*sweep, folder_ / "m").has_value());
 }
 
 TEST_F(SweepFolder, ClaimIsHadByOneAtATime) {
