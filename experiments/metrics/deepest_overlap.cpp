@@ -18,7 +18,6 @@ DeepestOverlap::DeepestOverlap(const World& world)
   for (auto* side : {&bounds_.low_m, &bounds_.high_m}) {
     for (auto& values : *side) values.resize(order_.size());
   }
-  bound_m_.resize(order_.size());
 }
 
 Overlap DeepestOverlap::find(std::span<const State> states) {
@@ -82,24 +81,15 @@ void DeepestOverlap::sort_along_longest_axis() {
   }
 }
 
-// Bounds first, for a run of bodies at once and without a branch; then the few pairs that are left.
-// Deeper pairs that are found on the way make the bounds stricter for what comes after.
 void DeepestOverlap::sweep() {
   const auto& [low_m, low_u_m, low_v_m] = bounds_.low_m;
   const auto& [high_m, high_u_m, high_v_m] = bounds_.high_m;
   for (std::size_t n = 0; n < order_.size(); ++n) {
-    std::size_t end = n + 1;
-    while (end < order_.size() && high_m[n] - low_m[end] > deepest_.depth_m) ++end;
-    const double low_u = low_u_m[n], high_u = high_u_m[n];
-    const double low_v = low_v_m[n], high_v = high_v_m[n];
-    for (std::size_t m = n + 1; m < end; ++m) {
-      const double part_u_m = std::min(high_u - low_u_m[m], high_u_m[m] - low_u);
-      const double part_v_m = std::min(high_v - low_v_m[m], high_v_m[m] - low_v);
-      bound_m_[m] = std::min(part_u_m, part_v_m);
-    }
-    for (std::size_t m = n + 1; m < end; ++m) {
-      if (bound_m_[m] <= deepest_.depth_m) continue;
+    for (std::size_t m = n + 1; m < order_.size(); ++m) {
       if (high_m[n] - low_m[m] <= deepest_.depth_m) break;
+      const double part_u_m = std::min(high_u_m[n] - low_u_m[m], high_u_m[m] - low_u_m[n]);
+      const double part_v_m = std::min(high_v_m[n] - low_v_m[m], high_v_m[m] - low_v_m[n]);
+      if (std::min(part_u_m, part_v_m) <= deepest_.depth_m) continue;
       look_at(order_[n], order_[m]);
     }
   }

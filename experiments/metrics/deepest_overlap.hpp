@@ -48,7 +48,6 @@ class DeepestOverlap {
   std::vector<Placed> placed_;
   std::vector<Eigen::Vector3d> reach_m_;
   Bounds bounds_;
-  std::vector<double> bound_m_;  // of the depths of the pairs with one body, in sweep order
   int axis_ = -1;
   Overlap deepest_;
 };
