@@ -1,14 +1,15 @@
-# brickbench_test(NAME SOURCES ... LINK ...): a GoogleTest binary whose tests CTest lists one by one
-# as NAME.Suite.Case. Tests run in the source directory, so relative paths of data are the clone's.
-# Without LABELS the label is the first word of NAME, up to `_`: unit_seam has the label unit. The
-# target unit_tests builds all tests of that label.
+# brickbench_test(NAME [DENSE] SOURCES ... LINK ...): a GoogleTest binary whose tests CTest lists one
+# by one as NAME.Suite.Case. Tests run in the source directory, so relative paths of data are the
+# clone's. Without LABELS the label is the first word of NAME, up to `_`: unit_seam has the label
+# unit. The target unit_tests builds all tests of that label. DENSE: the test does much dense algebra,
+# too slow under the sanitizers without optimisation.
 brickbench_require(GTest libgtest-dev)
 include(GoogleTest)
 
 add_custom_target(unit_tests)
 
 function(brickbench_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "DENSE" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -19,7 +20,9 @@ function(brickbench_test name)
     add_dependencies(unit_tests ${name})
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  brickbench_light(${name})
+  if(NOT (ARG_DENSE AND BRICKBENCH_SANITIZE))
+    brickbench_light(${name})
+  endif()
   target_link_libraries(${name} PRIVATE brickbench_options brickbench_test_support
                         ${ARG_LINK} GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

@@ -18,5 +18,9 @@ endif()
 
 # brickbench_light(TARGET): no inner loop runs in it, so it is optimised little and built soon.
 function(brickbench_light target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(BRICKBENCH_SANITIZE)
+    target_compile_options(${target} PRIVATE -O0)
+  else()
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
 endfunction()
