@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "reports/src/figures.hpp"
 #include "reports/src/html_sections.hpp"
 #include "reports/src/markdown_report.hpp"
 #include "reports/src/markup.hpp"
+#include "reports/src/validation.hpp"
 
 namespace brickbench {
 namespace {
@@ -138,17 +140,26 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
     out += html_section(prefix + id, title, body);
   };
   section("verdict", "Verdict", html_verdict(source, blocks));
-  section("replay", "Replay", replay_html(source, assets, limits));
+  if (!source.rows.empty()) section("replay", "Replay", replay_html(source, assets, limits));
   section("time", "Over time", figures_html(figures.time, svg));
   section("tables", "Scenes", html_scene_tables(blocks, source, palette));
   section("step", "Error against the step", figures_html(figures.step, svg));
   section("cost", "Accuracy against cost", figures_html(figures.cost, svg));
-  section("validation", "Validation", html_validation(source));
+  section("validation", "Validation",
+          html_validation(source, palette, "figures/" + prefix + "validation.csv"));
   section("unfinished", "Cells without numbers", html_unfinished(source));
   section("engines", "Who was run", html_contenders(source, palette));
   section("method", "Method and provenance", html_method(source));
   section("numbers", "What the numbers mean", html_glossary(source));
   return out;
+}
+
+std::string markdown_validation(const ReportSource& source) {
+  if (source.validation.is_null()) return "";
+  const Table audit = audit_table(source);
+  return "\n## Validation\n\n" + validation_legend(source) + "\n\n" +
+         to_markdown(validation_matrix(source)) +
+         (audit.rows.empty() ? "" : "\n### Who was validated\n\n" + to_markdown(audit));
 }
 
 std::string navigation(const std::string& body) {
@@ -179,6 +190,8 @@ std::string assets_html(const PageAssets& assets) {
 SourceFigures figures_of(const ReportSource& source, const std::string& prefix, Palette& palette) {
   SourceFigures figures{figures_over_time(source, palette), figures_against_step(source, palette),
                         figures_against_cost(source, palette)};
+  std::ranges::move(orders_against_step(source, palette), std::back_inserter(figures.step));
+  std::ranges::move(orders_against_cost(source, palette), std::back_inserter(figures.cost));
   number_ids(figures.time, prefix);
   number_ids(figures.step, prefix);
   number_ids(figures.cost, prefix);
@@ -190,6 +203,8 @@ void learn_labels(const ReportSource& source, Palette& palette) {
     palette.index(Contender{row.engine, row.variant, split_axes(row.axes).knobs}.label());
   }
   for (const Replay& replay : source.replays) palette.index(replay.engine);
+  const Table audit = audit_table(source);
+  for (const auto& row : audit.rows) palette.index(row.front().text);
 }
 
 // "" for a single source: most pages have one.
@@ -245,8 +260,12 @@ std::vector<OutputFile> report_files(std::span<const ReportSource> sources,
     const SourceFigures figures = figures_of(source, prefix, palette);
     body += source_html(source, figures, palette, assets, prefix, limits);
     add_scenes(source, palette, limits, scenes);
-    markdown +=
-        (i == 0 ? "" : "\n") + markdown_report({source.rows, source.timings, &source.provenance});
+    markdown += (i == 0 ? "" : "\n") +
+                markdown_report({source.rows, source.timings, &source.provenance}) +
+                markdown_validation(source);
+    if (!source.validation.is_null()) {
+      files.push_back({"figures/" + prefix + "validation.csv", validation_csv(source)});
+    }
     for (const auto* list : {&figures.time, &figures.step, &figures.cost}) {
       for (const Figure& figure : *list) {
         figures_json.push_back(to_json(figure));

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 
@@ -11,6 +10,7 @@
 #include "reports/src/markdown_report.hpp"
 #include "reports/src/markup.hpp"
 #include "reports/src/replay_source.hpp"
+#include "reports/src/validation.hpp"
 #include "reports/src/verdict.hpp"
 
 namespace brickbench {
@@ -51,34 +51,6 @@ const char* class_of(Mark mark) {
 std::string summary_details(const std::string& summary, const std::string& body, bool open) {
   return fmt::format("<details{}><summary>{}</summary>\n{}</details>\n", open ? " open" : "",
                      escape_markup(summary), body);
-}
-
-// The largest |part| over the scores of a cell; "" where no score has it.
-std::string largest(const nlohmann::ordered_json& cell, const char* part) {
-  double worst = -1.0;
-  if (!cell.contains("scores")) return "";
-  for (const auto& score : cell["scores"]) {
-    if (score.contains(part) && score[part].is_number()) {
-      worst = std::max(worst, std::abs(score[part].get<double>()));
-    }
-  }
-  return worst < 0.0 ? "" : fmt::format("{:.1e}", worst);
-}
-
-std::string validation_cell(const nlohmann::ordered_json* cell) {
-  if (cell == nullptr) return "<td></td>";
-  const std::string outcome = (*cell)["outcome"].get<std::string>();
-  const bool failed = cell->value("failed", false);
-  if (outcome != "ok") {
-    return fmt::format("<td class=\"{}\" title=\"{}\">{}</td>", failed ? "failed" : "quiet",
-                       escape_markup(cell->value("reason", "")), escape_markup(outcome));
-  }
-  const std::string unexplained = largest(*cell, "unexplained");
-  if (unexplained.empty()) {
-    return fmt::format("<td class=\"quiet\">open, error {}</td>", largest(*cell, "error"));
-  }
-  return fmt::format("<td class=\"{}\">{}{} / {}</td>", failed ? "failed" : "held",
-                     failed ? "\xE2\x9C\x97 " : "", largest(*cell, "explained"), unexplained);
 }
 
 }  // namespace
@@ -161,39 +133,12 @@ std::string html_scene_tables(const std::vector<Block>& blocks, const ReportSour
   return out;
 }
 
-std::string html_validation(const ReportSource& source) {
+std::string html_validation(const ReportSource& source, const Palette& palette,
+                            const std::string& csv) {
   if (source.validation.is_null()) return "";
-  std::vector<std::string> cases;
-  std::vector<std::string> engines;
-  std::map<std::pair<std::string, std::string>, const nlohmann::ordered_json*> cells;
-  const auto remember = [](std::vector<std::string>& list, const std::string& name) {
-    if (std::ranges::find(list, name) == list.end()) list.push_back(name);
-  };
-  std::size_t failed = 0;
-  for (const auto& cell : source.validation["cells"]) {
-    const std::string engine =
-        cell["engine"].get<std::string>() + '/' + cell["variant"].get<std::string>();
-    remember(cases, cell["case"].get<std::string>());
-    remember(engines, engine);
-    cells[{cell["case"].get<std::string>(), engine}] = &cell;
-    failed += cell.value("failed", false) ? 1U : 0U;
-  }
-  std::vector<std::string> header = {"case"};
-  header.insert(header.end(), engines.begin(), engines.end());
-  std::string out = fmt::format(
-      "<p>Each cell: the part of the error that the engine's documented scheme explains / the part "
-      "that nothing explains, both relative to the case's scale, of the worst observable. {} of {} "
-      "cells failed.</p>\n{}{}",
-      failed, cells.size(), k_table_open, header_row(header));
-  for (const std::string& name : cases) {
-    out += fmt::format("<tr><th scope=\"row\">{}</th>", escape_markup(name));
-    for (const std::string& engine : engines) {
-      const auto found = cells.find({name, engine});
-      out += validation_cell(found == cells.end() ? nullptr : found->second);
-    }
-    out += "</tr>\n";
-  }
-  return out + k_table_close;
+  return fmt::format("<p>{} <a href=\"{}\">CSV</a></p>\n{}",
+                     escape_markup(validation_legend(source)), csv,
+                     html_table(validation_matrix(source), palette));
 }
 
 std::string html_unfinished(const ReportSource& source) {
@@ -238,7 +183,15 @@ std::string html_contenders(const ReportSource& source, const Palette& palette) 
                           {is_own ? "this project" : "others"},
                           {fmt::format("{} of {}", cells[label].first, cells[label].second)}});
   }
-  return html_table(table, palette);
+  std::string out = table.rows.empty() ? "" : html_table(table, palette);
+  const Table audit = audit_table(source);
+  if (!audit.rows.empty()) {
+    out +=
+        "<p>Validated; settings and facts are read back from the live engine before any score, "
+        "and a fact that did not arrive is a failed cell.</p>\n" +
+        html_table(audit, palette);
+  }
+  return out;
 }
 
 std::string html_method(const ReportSource& source) {

@@ -21,7 +21,9 @@ std::string html_figure(const Figure& figure, bool draw_svg);
 std::string html_verdict(const ReportSource& source, const std::vector<Block>& blocks);
 std::string html_scene_tables(const std::vector<Block>& blocks, const ReportSource& source,
                               const Palette& palette);
-std::string html_validation(const ReportSource& source);
+// `csv`: address of the file behind the matrix.
+std::string html_validation(const ReportSource& source, const Palette& palette,
+                            const std::string& csv);
 std::string html_unfinished(const ReportSource& source);
 std::string html_contenders(const ReportSource& source, const Palette& palette);
 std::string html_method(const ReportSource& source);

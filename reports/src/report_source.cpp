@@ -5,6 +5,7 @@
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
 #include "reports/src/replay_source.hpp"
+#include "reports/src/validation.hpp"
 
 namespace brickbench {
 namespace {
@@ -28,33 +29,20 @@ Expected<nlohmann::ordered_json> read_json(const fs::path& file) {
   }
 }
 
-Expected<void> read_validation(const fs::path& file, ReportSource& source) {
+// `into` stays null where there is no such file.
+Expected<void> read_checked(const fs::path& file, nlohmann::ordered_json& into,
+                            std::string (*fault)(const nlohmann::ordered_json&)) {
   if (!fs::exists(file)) return {};
   auto json = read_json(file);
   if (!json) return tl::unexpected(json.error());
-  const auto complain = [&](const std::string& what) {
+  if (const std::string what = fault(*json); !what.empty()) {
     return fail(Fault::invalid, fmt::format("{}: {}", file.string(), what));
-  };
-  if (!json->is_object() || !json->contains("cells") || !(*json)["cells"].is_array()) {
-    return complain("no array 'cells'; write it with `brickbench validate --json`");
   }
-  for (const auto& cell : (*json)["cells"]) {
-    for (const char* key : {"engine", "variant", "case", "outcome"}) {
-      if (!cell.contains(key) || !cell[key].is_string()) {
-        return complain(fmt::format("a cell without the text '{}'", key));
-      }
-    }
-  }
-  source.validation = std::move(*json);
+  into = std::move(*json);
   return {};
 }
 
-}  // namespace
-
-Expected<ReportSource> read_report_source(const fs::path& folder) {
-  ReportSource source;
-  const fs::path whole = fs::absolute(folder).lexically_normal();
-  source.name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+Expected<void> read_rows(const fs::path& folder, ReportSource& source) {
   auto rows = read_csv<Row>(folder / "rows.csv");
   if (!rows) return tl::unexpected(rows.error());
   source.rows = std::move(*rows);
@@ -64,6 +52,26 @@ Expected<ReportSource> read_report_source(const fs::path& folder) {
   auto series = read_csv<SeriesPoint>(folder / "series.csv");
   if (!series) return tl::unexpected(series.error());
   source.series = std::move(*series);
+  return {};
+}
+
+}  // namespace
+
+Expected<ReportSource> read_report_source(const fs::path& folder) {
+  ReportSource source;
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  source.name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  if (auto ok = read_checked(folder / "validation.json", source.validation, validation_fault);
+      !ok) {
+    return tl::unexpected(ok.error());
+  }
+  if (auto ok = read_checked(folder / "orders.json", source.orders, orders_fault); !ok) {
+    return tl::unexpected(ok.error());
+  }
+  const bool validated = !source.validation.is_null() || !source.orders.is_null();
+  if (!validated || fs::exists(folder / "rows.csv")) {
+    if (auto ok = read_rows(folder, source); !ok) return tl::unexpected(ok.error());
+  }
   const fs::path file = folder / "provenance.json";
   const auto json = read_json(file);
   if (!json) return tl::unexpected(json.error());
@@ -72,9 +80,6 @@ Expected<ReportSource> read_report_source(const fs::path& folder) {
     return fail(Fault::invalid, fmt::format("{}: {}", file.string(), provenance.error().reason));
   }
   source.provenance = std::move(*provenance);
-  if (auto ok = read_validation(folder / "validation.json", source); !ok) {
-    return tl::unexpected(ok.error());
-  }
   auto replays = read_replays(folder, source.rows);
   if (!replays) return tl::unexpected(replays.error());
   source.replays = std::move(replays->replays);

@@ -23,11 +23,12 @@ struct ReportSource {
   std::vector<Replay> replays;
   std::size_t recorded_cells = 0;     // with a trajectory; of several seeds one is a replay
   nlohmann::ordered_json validation;  // what `validate --json` printed, or null
+  nlohmann::ordered_json orders;      // what `validate --order --out` saved, or null
 };
 
-// rows.csv, timings.csv, series.csv and provenance.json of the folder; trajectories and
-// validation.json where they exist. Fault::invalid with file and line if something is missing or
-// damaged.
+// rows.csv, timings.csv, series.csv and provenance.json of the folder; trajectories,
+// validation.json and orders.json where they exist. A folder of a validation, which has one of the
+// last two, needs no rows. Fault::invalid with file and line if something is missing or damaged.
 Expected<ReportSource> read_report_source(const std::filesystem::path& folder);
 
 }  // namespace brickbench

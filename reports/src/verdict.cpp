@@ -6,6 +6,7 @@
 #include <set>
 
 #include "reports/src/losses.hpp"
+#include "reports/src/validation.hpp"
 
 namespace brickbench {
 namespace {
@@ -80,9 +81,19 @@ void add_unfinished(const ReportSource& source, std::vector<std::string>& out) {
     else
       whole.insert(row.cell);
   }
+  if (cells.empty()) return;
   std::string line = fmt::format("{} of {} cells ran to their end", whole.size(), cells.size());
   for (const auto& [outcome, of] : others) line += fmt::format(", {} {}", of.size(), outcome);
   out.push_back(line + '.');
+}
+
+void add_validation(const ReportSource& source, std::vector<std::string>& out) {
+  if (source.validation.is_null()) return;
+  const ValidationCount count = count_validation(source.validation);
+  out.push_back(fmt::format(
+      "Exact cases: {} of {} cells follow their engine's scheme within the bound, {} do not, {} "
+      "failed, {} have no discrete prediction, {} were refused.",
+      count.within, count.all, count.beyond, count.failed, count.open, count.refused));
 }
 
 }  // namespace
@@ -92,6 +103,7 @@ std::vector<std::string> verdict(const ReportSource& source, const std::vector<B
   add_losses(source, blocks, out);
   add_ranks(blocks, out);
   add_unfinished(source, out);
+  add_validation(source, out);
   return out;
 }
 
