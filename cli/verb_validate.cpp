@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/build_facts.hpp"
+#include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/validate_scenes.hpp"
+#include "cli/validation_output.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/exact/order.hpp"
 #include "experiments/exact/validate.hpp"
@@ -25,6 +27,8 @@ struct ValidateOptions {
   std::string symmetry;     // a scene, or all, whose images are compared; empty: none
   std::string stable_step;  // a scene at rest; empty: none
   bool json = false;
+  std::string out;                     // a new folder for `report`; empty: none
+  std::vector<std::string> arguments;  // as typed
 };
 
 int complain(const std::string& message) {
@@ -143,6 +147,9 @@ Json order_json(const exact::OrderResult& result) {
         {{"step_s", rung.step_s}, {"error", number(rung.error)}, {"cpu_s", rung.cpu_s}});
   }
   return {{"id", fmt::format("{}/{}:{}", result.engine, result.variant, result.case_id)},
+          {"engine", result.engine},
+          {"variant", result.variant},
+          {"case", result.case_id},
           {"outcome", result.outcome},
           {"reason", result.reason},
           {"order", number(result.fit.order)},
@@ -154,9 +161,9 @@ Json order_json(const exact::OrderResult& result) {
 
 // Orders of convergence and the cost of each rung, for accuracy-versus-cost plots.
 int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
-               const std::vector<exact::ExactCase>& cases, bool json) {
+               const std::vector<exact::ExactCase>& cases, const ValidateOptions& options) {
   auto results = Json::array();
-  if (!json) {
+  if (!options.json) {
     fmt::print("{:<30} {:<18} {:>16} {:>8}  finest: step_s, error, cpu_s\n", "case", "engine",
                "order", "promised");
   }
@@ -164,10 +171,8 @@ int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& cata
     for (const EngineVariant& engine : engines) {
       const exact::OrderResult result =
           exact::convergence(*find_adapter(catalogues, engine.engine), engine.variant, exact_case);
-      if (json) {
-        results.push_back(order_json(result));
-        continue;
-      }
+      results.push_back(order_json(result));
+      if (options.json) continue;
       const std::string order =
           result.outcome != "ok" ? result.outcome
           : result.fit.at_rounding
@@ -182,8 +187,12 @@ int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& cata
       fmt::print("\n");
     }
   }
-  if (json) fmt::print("{}\n", results.dump(2));
-  return k_exit_fine;
+  if (options.json) fmt::print("{}\n", results.dump(2));
+  if (options.out.empty()) return k_exit_fine;
+  const auto saved = save_validation(options.out, "orders.json", {{"orders", results}},
+                                     "Orders of convergence and cost in exact cases",
+                                     options.arguments, engines, catalogues);
+  return saved ? k_exit_fine : complain_of(saved.error());
 }
 
 int validate(const ValidateOptions& options) {
@@ -202,13 +211,19 @@ int validate(const ValidateOptions& options) {
     return complain(fmt::format("no case '{}': all, family.* or one of `brickbench list cases`",
                                 options.cases));
   }
+  if (!options.out.empty()) {
+    if (!options.symmetry.empty() || !options.stable_step.empty() || options.predict) {
+      return complain("--out saves the table of cases, or with --order their orders, only");
+    }
+    if (const auto free = can_make(options.out); !free) return complain_of(free.error());
+  }
   if (!options.symmetry.empty()) {
     return compare_symmetries(engines, catalogues, options.symmetry, options.json);
   }
   if (!options.stable_step.empty()) {
     return search_stable_steps(engines, catalogues, options.stable_step, options.json);
   }
-  if (options.order) return fit_orders(engines, catalogues, cases, options.json);
+  if (options.order) return fit_orders(engines, catalogues, cases, options);
   if (options.predict) {
     print_predictions(engines, catalogues, cases);
     return k_exit_fine;
@@ -230,19 +245,15 @@ int validate(const ValidateOptions& options) {
       const bool predicted = cell.outcome == "ok" && cell.worst_unexplained().has_value();
       held += predicted && !cell.failed();
       open += cell.outcome == "ok" && !predicted;
-      if (options.json) {
-        cells.push_back(cell_json(cell));
-      } else {
-        print_line(cell);
-      }
+      cells.push_back(cell_json(cell));
+      if (!options.json) print_line(cell);
     }
   }
   const std::size_t count = engines.size() * cases.size();
+  const int exit_code = failed > 0 ? k_exit_failed_case : k_exit_fine;
+  Json json = {{"cells", std::move(cells)}, {"count", count}, {"failed", failed},
+               {"within_bounds", held},     {"open", open},   {"exit_code", exit_code}};
   if (options.json) {
-    const Json json = {
-        {"cells", cells},   {"count", count},
-        {"failed", failed}, {"within_bounds", held},
-        {"open", open},     {"exit_code", failed > 0 ? k_exit_failed_case : k_exit_fine}};
     fmt::print("{}\n", json.dump(2));
   } else {
     fmt::print(
@@ -250,7 +261,12 @@ int validate(const ValidateOptions& options) {
         "discrete prediction, {} refused.\n",
         held, count, failed, open, count - held - failed - open);
   }
-  return failed > 0 ? k_exit_failed_case : k_exit_fine;
+  if (options.out.empty()) return exit_code;
+  json["engines"] = audited_engines(engines, catalogues, cases);
+  const auto saved =
+      save_validation(options.out, "validation.json", json, "Exact cases in all engines asked for",
+                      options.arguments, engines, catalogues);
+  return saved ? exit_code : complain_of(saved.error());
 }
 
 }  // namespace
@@ -272,7 +288,12 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("--stable-step", options->stable_step,
                    "Find the largest step that keeps a scene at rest standing for 2 s");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
-  verb->callback([options, &invocation] { invocation.exit_code = validate(*options); });
+  verb->add_option("--out", options->out,
+                   "New folder for the table, or with --order the orders; `report` reads it");
+  verb->callback([options, &invocation] {
+    options->arguments = invocation.arguments;
+    invocation.exit_code = validate(*options);
+  });
 }
 
 }  // namespace brickbench
