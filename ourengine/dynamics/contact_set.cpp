@@ -38,6 +38,12 @@ void ContactSet::clear() {
   next_id_ = 1;
 }
 
+void ContactSet::restore(const History& history) {
+  clear();
+  points_ = history.points;
+  next_id_ = history.next_id;
+}
+
 void ContactSet::inherit(ContactPoint& point, std::size_t first_of_pair) {
   const double thin = std::min(thickness_m_[static_cast<std::size_t>(point.body_a)],
                                thickness_m_[static_cast<std::size_t>(point.body_b)]);

@@ -41,6 +41,14 @@ class ContactSet {
   // Forgets all history: the next update() is as the first.
   void clear();
 
+  // All that the next update() takes from the past.
+  struct History {
+    std::vector<ContactPoint> points;
+    std::uint64_t next_id = 1;
+  };
+  History history() const { return {points_, next_id_}; }
+  void restore(const History& history);
+
  private:
   void add_manifold(int a, int b, const Manifold& manifold, std::span<const Motion> motions);
   void inherit(ContactPoint& point, std::size_t first_of_pair);

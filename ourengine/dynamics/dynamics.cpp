@@ -47,6 +47,11 @@ void Dynamics::set_motions(std::span<const Motion> motions) {
   memory_ = std::make_unique<SolverMemory>();
 }
 
+void Dynamics::restore(const Snapshot& snapshot) {
+  motions_ = snapshot.motions;
+  contacts_.restore(snapshot.contacts);
+}
+
 const StepReport& Dynamics::step() {
   report_ = {};
   report_.passes = 0;

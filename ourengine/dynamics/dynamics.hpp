@@ -79,6 +79,15 @@ class Dynamics {
   // (bodies) replaces all motions and forgets contact history: the future depends on these alone.
   void set_motions(std::span<const Motion> motions);
 
+  // The state between two steps: from a restored one the future is the same, bit for bit.
+  struct Snapshot {
+    std::vector<Motion> motions;
+    ContactSet::History contacts;
+  };
+  Snapshot snapshot() const { return {motions_, contacts_.history()}; }
+  // The snapshot must be of a Dynamics with the same bodies, laws and options.
+  void restore(const Snapshot& snapshot);
+
  private:
   void expect_reach();
   void state_problem();
