@@ -34,8 +34,11 @@ std::string header_row(const std::vector<std::string>& header) {
   return out + "</tr></thead><tbody>\n";
 }
 
-const char* class_of(Mark mark) {
-  switch (mark) {
+// Cells longer than this are prose: they wrap, and stand at the left.
+constexpr std::size_t k_prose = 40;
+
+const char* class_of(const TableCell& cell) {
+  switch (cell.mark) {
     case Mark::best:
       return " class=\"best\"";
     case Mark::worst:
@@ -43,7 +46,7 @@ const char* class_of(Mark mark) {
     case Mark::failed:
       return " class=\"failed\"";
     case Mark::plain:
-      return "";
+      return cell.text.size() > k_prose ? " class=\"text\"" : "";
   }
   return "";
 }
@@ -70,7 +73,7 @@ std::string html_table(const Table& table, const Palette& palette) {
       if (i == 0)
         out += fmt::format("<th scope=\"row\">{}{}</th>", swatch(row[i].text, palette), text);
       else
-        out += fmt::format("<td{}>{}</td>", class_of(row[i].mark), text);
+        out += fmt::format("<td{}>{}</td>", class_of(row[i]), text);
     }
     out += "</tr>\n";
   }
@@ -201,11 +204,11 @@ std::string html_method(const ReportSource& source) {
       "<p>Every number is computed from the states that an engine reported, by code that shares "
       "nothing with any engine. A mean or a ratio names how many cells it speaks of.</p>\n"
       "<pre><code>{}</code></pre>\n<p>Run at {} on {} ({} cores), {}, {}. Revision {}, {} build "
-      "with {} {}. Plan {}.</p>\n",
+      "with {} {}.{}</p>\n",
       escape_markup(p.command), escape_markup(p.date_utc), escape_markup(m.cpu), m.cores,
       escape_markup(m.architecture), escape_markup(m.system), escape_markup(m.revision),
       escape_markup(m.build_type), escape_markup(m.compiler), escape_markup(m.flags),
-      escape_markup(p.plan));
+      p.plan.empty() ? "" : " Plan " + escape_markup(p.plan) + '.');
 }
 
 std::string html_glossary(const ReportSource& source) {

@@ -21,7 +21,9 @@ std::string head(const ReportInput& input) {
   }
   std::string out = fmt::format("# {}\n\n", p.title);
   if (!p.analysis.empty()) out += p.analysis + "\n\n";
-  out += fmt::format("{} of {} cells ran to their end.\n\n", whole.size(), cells.size());
+  if (!cells.empty()) {
+    out += fmt::format("{} of {} cells ran to their end.\n\n", whole.size(), cells.size());
+  }
   out += fmt::format("Made by\n\n```sh\n{}\n```\n\n", p.command);
   const Machine& m = p.machine;
   out += fmt::format(

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <string_view>
 
 namespace brickbench {
 namespace {
@@ -87,8 +88,10 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+constexpr std::string_view k_at_rounding = "at rounding";
+
 std::string order_note(const Json& result) {
-  if (flag_of(result, "at_rounding")) return "at rounding";
+  if (flag_of(result, "at_rounding")) return std::string(k_at_rounding);
   const auto order = number_of(result, "order");
   if (!order) return "";
   std::string note = fmt::format("order {:.2f}", *order);
@@ -115,7 +118,7 @@ std::vector<Figure> orders(const ReportSource& source, Palette& palette, const s
       figure.id = file_id(fmt::format("{}-case-{}-{}", kind, figures.size(), name));
       figure.title = fmt::format("{}: {}", title, name);
       figure.x = x;
-      figure.y = {"error relative to the scale of the case", "1", true};
+      figure.y = {"relative error", "1", true};
       figure.markers = true;
       figures.push_back(std::move(figure));
     }
@@ -134,6 +137,7 @@ std::vector<Figure> orders(const ReportSource& source, Palette& palette, const s
   }
   std::erase_if(figures, [](const Figure& figure) {
     return std::ranges::none_of(figure.curves, [](const Curve& curve) {
+      if (curve.note == k_at_rounding) return false;
       for (std::size_t i = 0; i < curve.x.size(); ++i) {
         if (curve.x[i] > 0.0 && curve.y[i] > 0.0) return true;
       }

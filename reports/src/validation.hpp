@@ -39,8 +39,8 @@ std::string validation_legend(const ReportSource& source);
 std::string validation_csv(const ReportSource& source);
 
 // Per case of orders.json: relative error against the step, with the fitted order, its 95 %
-// half-width and the order that the scheme promises in the legend. Cases without an error above
-// zero have no figure.
+// half-width and the order that the scheme promises in the legend. Cases in which every
+// engine is at rounding have no figure.
 std::vector<Figure> orders_against_step(const ReportSource& source, Palette& palette);
 
 // The same errors against the engine's CPU seconds for the whole run.

@@ -18,7 +18,7 @@ std::string with_unit(double value, const std::string& unit) {
 void add_losses(const ReportSource& source, const std::vector<Block>& blocks,
                 std::vector<std::string>& out) {
   const std::vector<std::string> own = own_engines(source.provenance);
-  if (own.empty()) return;
+  if (own.empty() || source.rows.empty()) return;
   const LossTable table = losses(blocks, own);
   if (table.compared == 0) {
     out.push_back("No number compares our own engine with another here.");
