@@ -10,12 +10,14 @@
 #   --list  print the table and change nothing
 #
 # Installs only what is missing, says what and why first, asks for sudo only if not root, and never
-# asks anything else. Where there is no apt it installs nothing: it uses what exists and names what
-# is missing. Exit status: 0 fine, 2 bad usage, 4 something needed could not be had.
+# asks anything else. A tool that is there already counts, wherever it came from. Packages that only
+# widen what can be done are left out, by name, where they cannot be installed. Where there is no
+# apt it installs nothing: it uses what exists and names what is missing.
+# Exit status: 0 fine, 2 bad usage, 4 something needed could not be had.
 set -euo pipefail
 export PATH="$PATH:/usr/local/sbin:/usr/sbin:/sbin"
 
-# group | package | why | how to see it on a system without dpkg: command, or header (any of)
+# group | package | why | how to see it without dpkg: commands or headers, any of which will do
 table() {
   cat <<'END'
 build|g++|the C++20 compiler|c++,g++,clang++
@@ -86,14 +88,13 @@ if $list_only; then
   exit 0
 fi
 
-# ---------------------------------------------------------------- systems without apt
-
-# Whether a command or a header of the comma-separated list exists.
+# Whether any item of the comma-separated list exists; with the word 'commands', only commands count.
 seen() {
   local item dir
   for item in ${1//,/ }; do
     case $item in
       */* | *.h)
+        if [ "${2:-}" = commands ]; then continue; fi
         for dir in /usr/include /usr/local/include /opt/homebrew/include /opt/local/include \
                    $(tr : " " <<<"${CPATH:-}"); do
           if [ -e "$dir/$item" ]; then return 0; fi
@@ -104,6 +105,11 @@ seen() {
   return 1
 }
 
+# Whether nothing can be built or tested without the package: needed GROUP PACKAGE.
+needed() { [ "$1" = build ] || [ "$2" = libgtest-dev ]; }
+
+# ---------------------------------------------------------------- systems without apt
+
 if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then
   say "this system has no apt: using what exists"
   lacking=0
@@ -111,7 +117,7 @@ if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>
     IFS='|' read -r group package why probe <<<"$row"
     if seen "$probe"; then continue; fi
     say "missing: $why (in Debian the package $package)"
-    if [ "$group" = build ] || [ "$package" = libgtest-dev ]; then lacking=1; fi
+    if needed "$group" "$package"; then lacking=1; fi
   done
   if [ $lacking -ne 0 ]; then say "install the above by hand" >&2; exit 4; fi
   exit 0
@@ -128,11 +134,12 @@ installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "${packages[@]}"
             sed -n 's/ installed$//p' || true)
 missing=()
 for row in "${rows[@]}"; do
-  IFS='|' read -r _ package _ _ <<<"$row"
-  if ! grep -qxF "$package" <<<"$installed"; then missing+=("$row"); fi
+  IFS='|' read -r _ package _ probe <<<"$row"
+  if grep -qxF "$package" <<<"$installed" || seen "$probe" commands; then continue; fi
+  missing+=("$row")
 done
 if [ ${#missing[@]} -eq 0 ]; then
-  say "all ${#packages[@]} packages are installed"
+  say "all ${#packages[@]} packages are there"
   exit 0
 fi
 
@@ -154,6 +161,8 @@ say "refreshing the package lists${as_root[*]:+ (with sudo)}"
 if ! apt update; then say "apt-get update failed; trying with the lists that are there" >&2; fi
 
 wanted=()
+essential=()
+optional=()
 unavailable=0
 for row in "${missing[@]}"; do
   IFS='|' read -r group package why _ <<<"$row"
@@ -162,15 +171,29 @@ for row in "${missing[@]}"; do
     if [ ${#wanted[@]} -eq 0 ]; then say "installing, without recommended extras:"; fi
     printf '  %-22s %s\n' "$package" "$why"
     wanted+=("$package")
+    if needed "$group" "$package"; then essential+=("$package"); else optional+=("$package"); fi
   else
     say "not offered by this system: $package ($why)"
-    if [ "$group" = build ] || [ "$package" = libgtest-dev ]; then unavailable=1; fi
+    if needed "$group" "$package"; then unavailable=1; fi
   fi
 done
 if [ $unavailable -ne 0 ]; then say "cannot go on without the packages above" >&2; exit 4; fi
 if [ ${#wanted[@]} -eq 0 ]; then exit 0; fi
-if ! apt install -y --no-install-recommends "${wanted[@]}" >/dev/null; then
+
+apt_install() { apt install -y --no-install-recommends "$@" >/dev/null; }
+if apt_install "${wanted[@]}"; then
+  say "installed ${#wanted[@]} packages"
+  exit 0
+fi
+
+# Some package does not fit this system: what is needed goes in together, the rest one by one.
+say "these packages cannot be installed together; trying them apart" >&2
+if [ ${#essential[@]} -gt 0 ] && ! apt_install "${essential[@]}"; then
   say "apt-get install failed" >&2
   exit 4
 fi
-say "installed ${#wanted[@]} packages"
+for package in ${optional[@]+"${optional[@]}"}; do
+  if ! apt_install "$package"; then
+    say "left out, apt-get cannot install it: $package" >&2
+  fi
+done
