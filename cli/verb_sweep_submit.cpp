@@ -64,10 +64,14 @@ void print_preview(const Estimate& estimate, const std::vector<PlannedCell>& cel
   }
   fmt::print("{} cells, {} of them left out by the plan.\n", cells.size(), estimate.excluded);
   fmt::print(
-      "About {} of work, {} with {} workers here; {} of results. {} of {} kinds of cells "
+      "About {} of work, {} with {} workers here; {} of results{}. {} of {} kinds of cells "
       "were tried; right within a factor of about two.\n",
       duration_text(estimate.work_s), duration_text(estimate.work_s / cores), cores,
-      size_text(estimate.size_bytes), estimate.tried, estimate.kinds);
+      size_text(estimate.size_bytes),
+      estimate.motion_bytes > 0.0
+          ? fmt::format(" and {} of motion, before compression", size_text(estimate.motion_bytes))
+          : "",
+      estimate.tried, estimate.kinds);
   for (const TrialFailure& failure : estimate.failures) {
     fmt::print("warning: {} cells like {} {} {}: {}: {}\n", failure.cells, failure.cell.experiment,
                failure.cell.engine.label(), failure.cell.axes, failure.outcome, failure.reason);
@@ -99,6 +103,7 @@ int preview(const PreviewChoice& choice, const Invocation& invocation) {
                                        {"excluded", cost->excluded},
                                        {"work_s", cost->work_s},
                                        {"size_bytes", cost->size_bytes},
+                                       {"motion_bytes", cost->motion_bytes},
                                        {"kinds", cost->kinds},
                                        {"tried", cost->tried},
                                        {"warnings", warnings}};

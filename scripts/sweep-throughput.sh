@@ -44,7 +44,7 @@ one_brick=('scenario = "free_brick"' 'engines = ["ourengine"]' 'step_s = 0.001' 
   'perturb = { position_m = 1e-3 }')
 plan tiny "Cells of ten steps of one brick" "${one_brick[@]}" 'seeds = 200'
 plan walls "Walls" 'scenario = "brick_wall"' 'engines = ["ourengine"]' 'step_s = 0.002' 'duration_s = 0.4' \
-  'parameters = { courses = 4, columns = 4 }' 'seeds = 16' 'perturb = { position_m = 1e-5 }'
+  'parameters = { courses = 4, columns = 4 }' 'seeds = 32' 'perturb = { position_m = 1e-5 }'
 # All of its cells but one are left out, so only their number counts; their results are files like any other.
 plan many "Many results" "${one_brick[@]}" "seeds = $many" 'metrics = ["momentum"]' \
   'except = [{ when = "seed > 0", why = "only their number counts here" }]'
@@ -63,15 +63,25 @@ row "a cell in a process of its own, start to stored result, beyond the same cel
   "$(beyond "$(median "${isolated[@]}")")"
 row "the same, each result brought to the disk" "$(beyond "$(median "${on_disk[@]}")")"
 
-# ---- two workers against one: only where nobody else is at work
+# ---- two workers against one: only where nobody else is at work. What the machine itself gives for two
+# is the work of two independent runs of the same cells side by side, in the time of both.
+together() {
+  "$program" run "$disk/walls.toml" --out "$1-a" & local first=$!
+  "$program" run "$disk/walls.toml" --out "$1-b" & local second=$!
+  wait $first && wait $second
+}
 if awk -v load="$busy" 'BEGIN { exit !(load < 0.5) }'; then
-  one=() two=()
-  for round in 1 2 3; do
+  one=() two=() alone=() both=()
+  for round in 1 2 3 4 5; do
     one+=("$(seconds sweep walls "$disk/one$round" --jobs 1)")
     two+=("$(seconds sweep walls "$disk/two$round" --jobs 2)")
+    alone+=("$(seconds "$program" run "$disk/walls.toml" --out "$disk/alone$round")")
+    both+=("$(seconds together "$disk/both$round")")
   done
-  row "two workers against one, 16 cells of $(calc '%.2f s' "$(median "${one[@]}") / 16")" \
+  row "two workers against one, 32 cells of $(calc '%.2f s' "$(median "${one[@]}") / 32")" \
     "$(calc '%.2f times' "$(median "${one[@]}") / $(median "${two[@]}")")"
+  row "two independent runs side by side against one run: what the machine gives" \
+    "$(calc '%.2f times' "2 * $(median "${alone[@]}") / $(median "${both[@]}")")"
 else
   row "two workers against one" "not measured: load $busy before the start"
 fi

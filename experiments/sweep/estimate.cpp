@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <sstream>
 
@@ -38,6 +39,30 @@ std::vector<Kind> kinds_of(const std::vector<Cell>& cells) {
     kinds[entry->second].cells.push_back(&cell);
   }
   return kinds;
+}
+
+// Motion that the cell will record, before compression: as docs/format.md lists it: 13 numbers a
+// body and frame, time and step a frame.
+double motion_bytes(const Cell& cell, const Scene& scene) {
+  const double frames = 1.0 + std::ceil(static_cast<double>(step_count(cell)) /
+                                        static_cast<double>(cell.recording->every));
+  const double number_bytes = cell.recording->precision == TrajectoryPrecision::f32 ? 4.0 : 8.0;
+  const double bodies = static_cast<double>(scene.world.bodies.size());
+  return frames * (13.0 * number_bytes * bodies + 16.0);
+}
+
+// The same for all cells of a kind: they differ in step and seed, not in their bodies.
+double motion_bytes(const Kind& kind, const Catalogues& catalogues) {
+  const auto recorded = [](const Cell* cell) { return cell->recording.has_value(); };
+  if (std::ranges::none_of(kind.cells, recorded)) return 0.0;
+  const Scenario* scenario = find_scenario(catalogues, kind.first->scenario);
+  const auto scene = build(*scenario, kind.first->parameters);
+  if (!scene) return 0.0;  // the trial says why it cannot be built
+  double bytes = 0.0;
+  for (const Cell* cell : kind.cells) {
+    if (recorded(cell)) bytes += motion_bytes(*cell, *scene);
+  }
+  return bytes;
 }
 
 // In the trial's own process: outcome, steps, wall time of stepping and building, size, reason.
@@ -86,7 +111,10 @@ Expected<Estimate> estimate(const std::vector<Cell>& cells, const Catalogues& ca
   Estimate result;
   result.kinds = kinds.size();
   result.tried = std::min(kinds.size(), limits.most);
-  for (const Kind& kind : kinds) result.cells += kind.cells.size();
+  for (const Kind& kind : kinds) {
+    result.cells += kind.cells.size();
+    result.motion_bytes += motion_bytes(kind, catalogues);
+  }
   result.excluded = cells.size() - result.cells;
   std::size_t covered = 0;
   for (std::size_t i = 0; i < result.tried; ++i) {

@@ -24,6 +24,8 @@ struct Estimate {
   std::size_t tried = 0;    // kinds; the others are taken to be as the mean of these
   double work_s = 0.0;      // of one worker
   double size_bytes = 0.0;  // of the result files
+  // Of the trajectories before compression, without contact points; 0 if the plan records none.
+  double motion_bytes = 0.0;
   std::vector<TrialFailure> failures;
 };
 

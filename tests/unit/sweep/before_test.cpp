@@ -27,6 +27,18 @@ TEST(SweepEstimate, TriesEachKindOnceAndWarnsOfWhatWillFail) {
   // Ten cells of ten steps that sleep 0.4 ms each; the rest is quick.
   EXPECT_GT(found->work_s, 10 * 10 * 0.4e-3);
   EXPECT_GT(found->size_bytes, 50.0 * 100.0);
+  EXPECT_EQ(found->motion_bytes, 0.0);
+}
+
+TEST(SweepEstimate, CountsTheMotionOfTheRecordedCells) {
+  const SweepOfFakes fakes(fall_plan(
+      R"(["good", "slow"])",
+      "seeds = 3\nperturb = { position_m = 0.1 }\nparameters = { balls = 2 }\n[trajectory]\n"
+      "engines = [\"good\"]\nevery = 3\nprecision = \"f32\"\n"));
+  const auto found = estimate(fakes.cells, fakes.catalogues, k_origin);
+  ASSERT_TRUE(found.has_value()) << found.error().reason;
+  // Three cells, the frames 0, 3, 6, 9 and 10, two balls.
+  EXPECT_EQ(found->motion_bytes, 3 * 5 * (2 * 13 * 4 + 8 + 8));
 }
 
 TEST(SweepEstimate, TriesNoMoreThanItMay) {
