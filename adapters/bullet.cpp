@@ -26,6 +26,44 @@ namespace {
 
 using namespace bullet;
 
+bool is_box(const btCollisionShape& shape) { return shape.getShapeType() == BOX_SHAPE_PROXYTYPE; }
+
+// Settings as the live objects hold them, under the names of the knobs.
+std::vector<AuditFact> live_settings(const Scene& scene, double step_s) {
+  const btContactSolverInfo& info = scene.world->getSolverInfo();
+  std::vector<AuditFact> facts;
+  const auto fact = [&](const char* name, const char* unit, double value) {
+    facts.push_back(number_fact(name, unit, value));
+  };
+  const bool nncg = scene.solver->getSolverType() == BT_NNCG_SOLVER;
+  facts.push_back({"solver", "", nncg ? k_nncg_solver : k_si_solver});
+  fact("step_s", "s", step_s);
+  fact("iterations", "1", info.m_numIterations);
+  fact("erp", "1", info.m_erp2);
+  fact("cfm", "1", info.m_globalCfm);
+  fact("split_impulse", "1", info.m_splitImpulse);
+  fact("split_impulse_threshold_m", "m", info.m_splitImpulsePenetrationThreshold);
+  fact("linear_slop_m", "m", info.m_linearSlop);
+  fact("restitution_threshold_mps", "m/s", info.m_restitutionVelocityThreshold);
+  fact("warm_starting", "1", info.m_warmstartingFactor);
+  fact("friction_directions", "1",
+       (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 2 : 1);
+  fact("solver_mode_bits", "", info.m_solverMode);
+  fact("plane_perturbations", "1", plane_perturbations(scene));
+  std::vector<double> thresholds_m, gyroscopic, margins_m;
+  for (const auto& body : scene.bodies) {
+    thresholds_m.push_back(body->getContactProcessingThreshold());
+    gyroscopic.push_back(gyroscopic_knob(body->getFlags()));
+    if (is_box(*body->getCollisionShape())) {
+      margins_m.push_back(body->getCollisionShape()->getMargin());
+    }
+  }
+  facts.push_back({"contact_processing_threshold_m", "m", common_text(thresholds_m)});
+  facts.push_back({"gyroscopic", "1", common_text(gyroscopic)});
+  facts.push_back({"box_margins_m", "m", common_text(margins_m)});
+  return facts;
+}
+
 class BulletSimulation final : public Simulation,
                                ContactView,
                                StateView,
@@ -166,26 +204,7 @@ Audit BulletSimulation::audit() const {
          .angular_damping_hz = damping_hz(body->getAngularDamping()),
          .can_sleep = !fixed && body->getActivationState() != DISABLE_DEACTIVATION});
   }
-  const btContactSolverInfo& info = scene_->world->getSolverInfo();
-  const auto fact = [&](const char* name, const char* unit, auto value) {
-    audit.settings.push_back({name, unit, fmt::format("{}", value)});
-  };
-  const bool nncg = scene_->solver->getSolverType() == BT_NNCG_SOLVER;
-  fact("solver", "", nncg ? "btNNCGConstraintSolver" : "btSequentialImpulseConstraintSolver");
-  fact("solver_mode_bits", "", info.m_solverMode);
-  fact("iterations", "1", info.m_numIterations);
-  fact("erp", "1", info.m_erp2);
-  fact("cfm", "1", info.m_globalCfm);
-  fact("split_impulse", "1", info.m_splitImpulse);
-  fact("split_impulse_threshold_m", "m", info.m_splitImpulsePenetrationThreshold);
-  fact("linear_slop_m", "m", info.m_linearSlop);
-  fact("restitution_threshold_mps", "m/s", info.m_restitutionVelocityThreshold);
-  fact("warm_starting", "1", info.m_warmstartingFactor);
-  if (scene_->bodies.empty()) return audit;
-  const btRigidBody& last = *scene_->bodies.back();
-  fact("contact_processing_threshold_m", "m", last.getContactProcessingThreshold());
-  fact("gyroscopic_flags", "", last.getFlags());
-  fact("margin_of_last_body_m", "m", last.getCollisionShape()->getMargin());
+  audit.settings = live_settings(*scene_, settings_.step_s);
   return audit;
 }
 
@@ -205,6 +224,26 @@ ContactLaw BulletSimulation::pair_law(std::size_t a, std::size_t b) const {
   result.addContactPoint(btVector3(0, 0, 1), btVector3(0, 0, 0), 0.0);
   const btManifoldPoint& point = manifold.getContactPoint(0);
   return {.friction = point.m_combinedFriction, .restitution = point.m_combinedRestitution};
+}
+
+std::vector<AuditFact> asked_of_bullet(const World& world, const Settings& settings) {
+  std::vector<AuditFact> facts = asked_knobs(k_knobs, settings);
+  // Boxes may be too small for the margin asked for.
+  const double margin_m = knob_value(k_knobs, settings, "max_box_margin_m");
+  std::erase_if(facts, [](const AuditFact& fact) { return fact.name == "max_box_margin_m"; });
+  std::vector<double> margins_m;
+  for (const Body& body : world.bodies) {
+    const auto shape = make_shape(body.shape, margin_m);
+    if (is_box(*shape)) margins_m.push_back(shape->getMargin());
+  }
+  facts.push_back({"box_margins_m", "m", common_text(margins_m)});
+  facts.push_back({"solver", "", settings.variant == "nncg" ? k_nncg_solver : k_si_solver});
+  if (world.bodies.empty()) {
+    std::erase_if(facts, [](const AuditFact& fact) {
+      return fact.name == "gyroscopic" || fact.name == "contact_processing_threshold_m";
+    });
+  }
+  return facts;
 }
 
 std::optional<Scheme> bullet_scheme(const Settings& settings) {
@@ -268,7 +307,8 @@ Adapter bullet_adapter() {
                    {"default", "the library's own settings: sequential impulses, 10 iterations"}},
       .knobs = to_knobs(k_knobs),
       .build = &build_bullet,
-      .scheme = &bullet_scheme};
+      .scheme = &bullet_scheme,
+      .asked = &asked_of_bullet};
 }
 
 }  // namespace brickbench

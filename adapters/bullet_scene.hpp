@@ -3,6 +3,7 @@
 #pragma once
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btConvexPlaneCollisionAlgorithm.h>
 #include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/core.h>
@@ -98,6 +99,17 @@ inline int gyroscopic_flag(double knob) {
   return flags[static_cast<std::size_t>(knob)];
 }
 
+// The knob that gives a body these flags; -1: none does.
+inline double gyroscopic_knob(int flags) {
+  for (const int knob : {0, 1, 2, 3}) {
+    if (gyroscopic_flag(knob) == flags) return knob;
+  }
+  return -1;
+}
+
+inline constexpr const char* k_si_solver = "btSequentialImpulseConstraintSolver";
+inline constexpr const char* k_nncg_solver = "btNNCGConstraintSolver";
+
 // Sequential impulses that keep the worst residual of the islands of a step: squared change of a
 // row's velocity in the last sweep (Bullet's own analytics hold the last island only).
 struct WatchedSolver final : btSequentialImpulseConstraintSolver {
@@ -153,6 +165,16 @@ inline void Scene::configure(const Settings& settings) {
   if (const int turns = static_cast<int>(value("plane_perturbations")); turns > 0) {
     configuration.setPlaneConvexMultipointIterations(turns, 4);
   }
+}
+
+// As the function that makes box-plane algorithms holds it.
+inline double plane_perturbations(const Scene& scene) {
+  using Create = btConvexPlaneCollisionAlgorithm::CreateFunc;
+  auto& configuration = const_cast<btDefaultCollisionConfiguration&>(scene.configuration);
+  const auto* create = static_cast<const Create*>(
+      configuration.getCollisionAlgorithmCreateFunc(BOX_SHAPE_PROXYTYPE, STATIC_PLANE_PROXYTYPE));
+  return create->m_minimumPointsPerturbationThreshold == 0 ? 0
+                                                           : create->m_numPerturbationIterations;
 }
 
 inline void Scene::add(const World& facts, std::size_t index, const Settings& settings) {

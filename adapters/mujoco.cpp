@@ -85,6 +85,41 @@ Eigen::Map<const Eigen::Vector3d> vector_at(const mjtNum* values) {
   return Eigen::Map<const Eigen::Vector3d>(values);
 }
 
+constexpr std::array k_solvers = {"PGS", "CG", "Newton"};
+
+// Settings as the compiled model holds them, under the names of the knobs.
+std::vector<AuditFact> live_settings(const mjModel& model, const mjData& data) {
+  const mjOption& option = model.opt;
+  std::vector<AuditFact> facts = {
+      {"solver", "", k_solvers[static_cast<std::size_t>(option.solver)]}};
+  const auto fact = [&](const char* name, const char* unit, double value) {
+    facts.push_back(number_fact(name, unit, value));
+  };
+  fact("step_s", "s", option.timestep);
+  fact("iterations", "1", option.iterations);
+  fact("tolerance", "1", option.tolerance);
+  fact("cone", "1", option.cone);
+  fact("integrator", "1", option.integrator);
+  fact("impratio", "1", option.impratio);
+  fact("noslip_iterations", "1", option.noslip_iterations);
+  fact("warm_starting", "1", (option.disableflags & mjDSBL_WARMSTART) == 0 ? 1 : 0);
+  std::vector<double> times_s, ratios;
+  const auto note = [&](const mjtNum* solref, int count) {
+    for (int i = 0; i < count; ++i) {
+      times_s.push_back(solref[i * mjNREF]);
+      ratios.push_back(solref[i * mjNREF + 1]);
+    }
+  };
+  note(model.geom_solref, model.ngeom);
+  note(model.pair_solref, model.npair);
+  facts.push_back({"solref_timeconst_s", "s", common_text(times_s)});
+  facts.push_back({"solref_dampratio", "1", common_text(ratios)});
+  fact("nconmax", "1", model.nconmax);
+  fact("njmax", "1", model.njmax);
+  fact("buffer", "byte", data.nbuffer);
+  return facts;
+}
+
 struct Slot {
   int geom = -1;
   int body = -1;      // MuJoCo's body; -1: fixed
@@ -185,29 +220,9 @@ class MujocoSimulation final : public Simulation,
 
   Audit audit() const override {
     Audit audit;
-    const mjOption& option = model_->opt;
-    audit.gravity_mps2 = vector_at(option.gravity);
+    audit.gravity_mps2 = vector_at(model_->opt.gravity);
     for (const Slot& slot : slots_) audit.bodies.push_back(audit_body(slot));
-    const auto number = [&](const char* name, const char* unit, double value) {
-      audit.settings.push_back({name, unit, fmt::format("{}", value)});
-    };
-    number("step", "s", option.timestep);
-    constexpr std::array k_solvers = {"PGS", "CG", "Newton"};
-    audit.settings.push_back({"solver", "1", k_solvers[static_cast<std::size_t>(option.solver)]});
-    number("iterations", "1", option.iterations);
-    number("tolerance", "1", option.tolerance);
-    number("cone", "1", option.cone);
-    number("integrator", "1", option.integrator);
-    number("impratio", "1", option.impratio);
-    number("noslip_iterations", "1", option.noslip_iterations);
-    number("warm_starting", "1", (option.disableflags & mjDSBL_WARMSTART) == 0 ? 1 : 0);
-    number("nconmax", "1", model_->nconmax);
-    number("njmax", "1", model_->njmax);
-    number("buffer", "byte", data_->nbuffer);
-    if (model_->ngeom > 0) {
-      number("solref_timeconst", "s", model_->geom_solref[0]);
-      number("solref_dampratio", "1", model_->geom_solref[1]);
-    }
+    audit.settings = live_settings(*model_, *data_);
     return audit;
   }
 
@@ -300,6 +315,24 @@ Expected<std::unique_ptr<Simulation>> build_mujoco(const World& world, const Set
   return std::make_unique<MujocoSimulation>(world, std::move(*model), std::move(*data));
 }
 
+std::vector<AuditFact> asked_of_mujoco(const World& world, const Settings& settings) {
+  std::vector<AuditFact> facts = asked_knobs(k_knobs, settings);
+  const auto replace = [&](std::string_view knob, AuditFact fact) {
+    *std::ranges::find(facts, knob, &AuditFact::name) = std::move(fact);
+  };
+  const mujoco::ContactSettings contact = contact_settings(settings);
+  const auto moving = std::ranges::count(world.bodies, false, &Body::fixed);
+  replace("integrator", number_fact("integrator", "1", integrator_of(settings)));
+  replace("contacts_per_body",
+          number_fact("nconmax", "1", mujoco::contact_room(contact, static_cast<double>(moving))));
+  replace("solref_timeconst_s", number_fact("solref_timeconst_s", "s", contact.time_constant_s));
+  facts.push_back({"solver", "", k_solvers[static_cast<std::size_t>(solver_of(settings))]});
+  if (world.bodies.empty()) {
+    std::erase_if(facts, [](const AuditFact& fact) { return fact.name.starts_with("solref"); });
+  }
+  return facts;
+}
+
 // Todorov, Erez, Tassa, "MuJoCo: a physics engine for model-based control" (2012) and the chapter
 // "Computation" of MuJoCo's documentation.
 std::optional<Scheme> mujoco_scheme(const Settings& settings) {
@@ -337,7 +370,8 @@ Adapter mujoco_adapter() {
                        {"default", "Newton's method, pyramidal cones; the library's own settings"}},
           .knobs = to_knobs(k_knobs),
           .build = build_mujoco,
-          .scheme = mujoco_scheme};
+          .scheme = mujoco_scheme,
+          .asked = asked_of_mujoco};
 }
 
 }  // namespace brickbench

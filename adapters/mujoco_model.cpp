@@ -226,9 +226,13 @@ Expected<ModelPtr> compile(const World& world, const ContactSettings& contact) {
   return model;
 }
 
+double contact_room(const ContactSettings& contact, double moving_bodies) {
+  return std::ceil(50.0 + contact.contacts_per_body * moving_bodies);
+}
+
 Expected<DataPtr> allocate(mjModel& model, const ContactSettings& contact) {
   const double moving = model.nv / 6.0;
-  const double contacts = std::ceil(50.0 + contact.contacts_per_body * moving);
+  const double contacts = contact_room(contact, moving);
   const double rows = contacts * (model.opt.cone == mjCONE_ELLIPTIC ? 3.0 : 4.0);
   constexpr double k_int_max = std::numeric_limits<int>::max();
   // Newton's dense Hessian and its factor; the Jacobian of PGS and noslip; vectors of the solvers.

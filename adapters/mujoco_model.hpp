@@ -43,6 +43,9 @@ void throw_errors_and_warnings();
 // pair cannot be expressed (restitution; friction below MuJoCo's own least value), with the reason.
 Expected<ModelPtr> compile(const World& world, const ContactSettings& contact);
 
+// Contacts that the buffers of a model with so many moving bodies must hold.
+double contact_room(const ContactSettings& contact, double moving_bodies);
+
 // Sets nconmax, njmax and nstack of the model for its options (cone, noslip), and allocates.
 // Fault::unsupported with the numbers where MuJoCo's buffer (2 GiB at most) cannot hold them.
 Expected<DataPtr> allocate(mjModel& model, const ContactSettings& contact);

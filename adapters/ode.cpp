@@ -18,6 +18,7 @@
 //  * Refused: several threads.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -29,6 +30,10 @@ namespace brickbench {
 namespace {
 
 using namespace ode;
+
+const char* solver_name(const Settings& settings) {
+  return settings.variant == "dantzig" ? "dWorldStep" : "dWorldQuickStep";
+}
 
 class OdeSimulation final : public Simulation, ContactView, StateView, AuditView, DiagnosticView {
  public:
@@ -234,10 +239,17 @@ Audit OdeSimulation::audit() const {
     audit.bodies.push_back(audit_body(scene_->bodies[i], scene_->geoms[i], settings_.step_s));
   }
   const dWorldID world = scene_->world;
-  const auto fact = [&](const char* name, const char* unit, auto value) {
-    audit.settings.push_back({name, unit, fmt::format("{}", value)});
+  const auto fact = [&](const char* name, const char* unit, double value) {
+    audit.settings.push_back(number_fact(name, unit, value));
   };
-  fact("solver", "", settings_.variant == "dantzig" ? "dWorldStep" : "dWorldQuickStep");
+  std::vector<double> gyroscopic, finite_rotation;
+  for (const dBodyID body : scene_->bodies) {
+    if (body == nullptr) continue;
+    gyroscopic.push_back(dBodyGetGyroscopicMode(body) != 0 ? 1 : 0);
+    finite_rotation.push_back(dBodyGetFiniteRotationMode(body));
+  }
+  audit.settings.push_back({"solver", "", solver_name(settings_)});
+  fact("step_s", "s", settings_.step_s);
   fact("iterations", "1", dWorldGetQuickStepNumIterations(world));
   fact("over_relaxation", "1", dWorldGetQuickStepW(world));
   fact("erp", "1", dWorldGetERP(world));
@@ -245,10 +257,12 @@ Audit OdeSimulation::audit() const {
   fact("max_correcting_velocity_mps", "m/s", dWorldGetContactMaxCorrectingVel(world));
   fact("contact_surface_layer_m", "m", dWorldGetContactSurfaceLayer(world));
   fact("max_angular_speed_radps", "rad/s", dWorldGetMaxAngularSpeed(world));
-  fact("max_contacts", "1", points_.size());
+  fact("max_contacts", "1", static_cast<double>(points_.size()));
   fact("slip_aligned_friction", "1", slip_aligned_ ? 1 : 0);
   fact("restitution_threshold_mps", "m/s", restitution_threshold_mps_);
-  fact("configuration", "", dGetConfiguration());
+  audit.settings.push_back({"gyroscopic", "1", common_text(gyroscopic)});
+  audit.settings.push_back({"finite_rotation", "1", common_text(finite_rotation)});
+  audit.settings.push_back({"configuration", "", dGetConfiguration()});
   return audit;
 }
 
@@ -256,6 +270,17 @@ Audit OdeSimulation::audit() const {
 ContactLaw OdeSimulation::pair_law(std::size_t a, std::size_t b) const {
   const dSurfaceParameters joint = surface(a, b);
   return {.friction = joint.mu, .restitution = joint.bounce};
+}
+
+std::vector<AuditFact> asked_of_ode(const World& world, const Settings& settings) {
+  std::vector<AuditFact> facts = asked_knobs(k_knobs, settings);
+  facts.push_back({"solver", "", solver_name(settings)});
+  if (std::ranges::all_of(world.bodies, &Body::fixed)) {
+    std::erase_if(facts, [](const AuditFact& fact) {
+      return fact.name == "gyroscopic" || fact.name == "finite_rotation";
+    });
+  }
+  return facts;
 }
 
 std::optional<Scheme> ode_scheme(const Settings& settings) {
@@ -301,7 +326,8 @@ Adapter ode_adapter() {
                        {"default", "the library's own settings: QuickStep, 20 iterations"}},
           .knobs = to_knobs(k_knobs),
           .build = &build_ode,
-          .scheme = &ode_scheme};
+          .scheme = &ode_scheme,
+          .asked = &asked_of_ode};
 }
 
 }  // namespace brickbench

@@ -93,6 +93,29 @@ Expected<std::unique_ptr<Simulation>> build_ourengine(const World& world,
   return entry->build(world, settings);
 }
 
+// ignore_friction is a permission, no setting of the engine.
+std::vector<AuditFact> asked_of_ourengine(const World&, const Settings& settings) {
+  const auto all = entries();
+  const auto entry =
+      std::ranges::find(all, settings.variant, [](const Entry& e) { return e.variant.name; });
+  std::vector<AuditFact> facts = {number_fact("step_s", "s", settings.step_s)};
+  for (const KnobRow& row : entry->knobs) {
+    const std::string_view name = row.name;
+    if (name == "ignore_friction" || name == "substep_s") continue;
+    const double own = settings.variant == "paper" ? row.library : row.tuned;
+    facts.push_back(number_fact(row.name, row.unit, knob_or(settings, name, own)));
+  }
+  if (settings.variant == "exact") facts.push_back({"solver", "1", "exact"});
+  if (settings.variant == "exact" || settings.variant == "lcp") {
+    facts.push_back(number_fact("frictionless", "1", settings.variant == "lcp" ? 1 : 0));
+  }
+  if (settings.variant == "fast") {
+    facts.push_back(number_fact("substeps", "1", fast_substeps(settings)));
+    facts.push_back(number_fact("threads", "1", settings.threads));
+  }
+  return facts;
+}
+
 // The paper's system; its contacts are solved for accelerations and hit one by one: no map of
 // Scheme.
 Scheme baraff_scheme() {
@@ -161,6 +184,7 @@ Adapter ourengine_adapter() {
                   .knobs = all_knobs(),
                   .build = &build_ourengine,
                   .scheme = &ourengine_scheme,
+                  .asked = &asked_of_ourengine,
                   .own = true};
   for (const Entry& entry : entries()) adapter.variants.push_back(entry.variant);
   return adapter;

@@ -179,8 +179,9 @@ Audit BaraffSimulation::audit() const {
                             .shape = shape});
   }
   const auto fact = [&](const char* name, const char* unit, double value) {
-    audit.settings.push_back({name, unit, fmt::format("{}", value)});
+    audit.settings.push_back(number_fact(name, unit, value));
   };
+  fact("step_s", "s", o.step_s);
   fact("contact_tolerance_m", "m", o.contact_tolerance_m);
   fact("collision_velocity_mps", "m/s", o.collision_velocity_mps);
   fact("max_collision_sweeps", "1", o.max_collision_sweeps);

@@ -80,6 +80,9 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
 Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
                                                            const Settings& settings);
 
+// Equal parts into which `fast` cuts its step.
+int fast_substeps(const Settings& settings);
+
 // Fault::unsupported where bodies that may meet have friction and `ignore_friction` is not turned:
 // for the laws that have none.
 Expected<void> refuse_friction(const World& world, const Settings& settings);

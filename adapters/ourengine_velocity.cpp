@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "adapters/ourengine_variants.hpp"
@@ -92,22 +93,39 @@ std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
           {"manifolds_made", "1", double(report.remade)}};
 }
 
+// Index: the value of the knob `solver` of `lcp`.
+constexpr std::array<engine::Solver, 3> k_lcp_solvers = {&engine::solve_ipm, &engine::solve_dantzig,
+                                                         &engine::solve_nsgs};
+
+std::string solver_name(engine::Solver solver) {
+  if (solver == &engine::solve_exact) return "exact";
+  const auto found = std::ranges::find(k_lcp_solvers, solver);
+  return fmt::format("{}", found - k_lcp_solvers.begin());
+}
+
 std::vector<AuditFact> facts_of(const engine::DynamicsOptions& o) {
-  return {{"rotation", "1", engine::rotation_name(o.rotation)},
-          {"tolerance", "1", fmt::format("{}", o.solve.tolerance)},
-          {"slip_tolerance", "1", fmt::format("{}", o.solve.slip_tolerance)},
-          {"margin_m", "m", fmt::format("{}", o.margin_m)},
-          {"overlap_recovery", "1", fmt::format("{}", o.overlap_recovery)},
-          {"recovery_limit_mps", "m/s", fmt::format("{}", o.recovery_limit_mps)},
-          {"frictionless", "1", o.frictionless ? "1" : "0"}};
+  return {number_fact("step_s", "s", o.step_s),
+          number_fact("integrator", "1", static_cast<int>(o.rotation)),
+          {"rotation", "1", engine::rotation_name(o.rotation)},
+          {"solver", "1", solver_name(o.solver)},
+          number_fact("tolerance", "1", o.solve.tolerance),
+          number_fact("slip_tolerance", "1", o.solve.slip_tolerance),
+          number_fact("margin_m", "m", o.margin_m),
+          number_fact("overlap_recovery", "1", o.overlap_recovery),
+          number_fact("recovery_limit_mps", "m/s", o.recovery_limit_mps),
+          number_fact("resting_approach_steps", "1", o.resting_approach_steps),
+          number_fact("frictionless", "1", o.frictionless ? 1 : 0)};
 }
 
 std::vector<AuditFact> facts_of(const engine::FastOptions& o) {
-  return {{"substeps", "1", fmt::format("{}", o.substeps)},
-          {"contact_frequency_hz", "1/s", fmt::format("{}", o.contact_hz)},
-          {"damping_ratio", "1", fmt::format("{}", o.damping_ratio)},
-          {"push_limit_mps", "m/s", fmt::format("{}", o.push_limit_mps)},
-          {"margin_m", "m", fmt::format("{}", o.margin_m)}};
+  return {number_fact("step_s", "s", o.step_s),
+          number_fact("substeps", "1", o.substeps),
+          number_fact("contact_frequency_hz", "1/s", o.contact_hz),
+          number_fact("damping_ratio", "1", o.damping_ratio),
+          number_fact("push_limit_mps", "m/s", o.push_limit_mps),
+          number_fact("margin_m", "m", o.margin_m),
+          number_fact("resting_approach_mps", "m/s", o.resting_approach_mps),
+          number_fact("threads", "1", o.threads)};
 }
 
 bool frictionless(const engine::DynamicsOptions& options) { return options.frictionless; }
@@ -251,12 +269,17 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
   if (auto checked = refuse_friction(world, settings); !checked) {
     return tl::make_unexpected(checked.error());
   }
-  constexpr std::array<engine::Solver, 3> solvers = {&engine::solve_ipm, &engine::solve_dantzig,
-                                                     &engine::solve_nsgs};
   engine::DynamicsOptions options = exact_options(world, settings);
   options.frictionless = true;
-  options.solver = solvers[static_cast<std::size_t>(knob_value(k_lcp_knobs, settings, "solver"))];
+  options.solver =
+      k_lcp_solvers[static_cast<std::size_t>(knob_value(k_lcp_knobs, settings, "solver"))];
   return simulate<engine::Dynamics>(world, options);
+}
+
+int fast_substeps(const Settings& settings) {
+  const double longest_s = knob_value(k_fast_knobs, settings, "substep_s");
+  // The quotient of two roundings may land a hair above a whole number.
+  return std::max(1, static_cast<int>(std::ceil(settings.step_s / longest_s - 1e-9)));
 }
 
 Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
@@ -266,9 +289,7 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
   };
   engine::FastOptions options;
   options.step_s = settings.step_s;
-  // The quotient of two roundings may land a hair above a whole number.
-  options.substeps =
-      std::max(1, static_cast<int>(std::ceil(settings.step_s / value("substep_s") - 1e-9)));
+  options.substeps = fast_substeps(settings);
   options.gravity_mps2 = world.gravity_mps2;
   options.margin_m = value("margin_m");
   options.contact_hz = value("contact_frequency_hz");

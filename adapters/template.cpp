@@ -87,7 +87,8 @@ class FreeFlight final : public Simulation, StateView, AuditView {
       }
       audit.bodies.push_back(facts);
     }
-    audit.settings.push_back({"step", "s", fmt::format("{}", step_s_)});
+    audit.settings = {number_fact("step_s", "s", step_s_),
+                      number_fact("clearance_m", "m", clearance_m_)};
     return audit;
   }
   ContactLaw pair_law(std::size_t a, std::size_t b) const override {
@@ -149,6 +150,10 @@ Expected<std::unique_ptr<Simulation>> build_template(const World& world, const S
                                       knob_value(k_knobs, settings, "clearance_m"));
 }
 
+std::vector<AuditFact> asked_of_template(const World&, const Settings& settings) {
+  return asked_knobs(k_knobs, settings);
+}
+
 // Exactly what FreeFlight::advance() does.
 std::optional<Scheme> template_scheme(const Settings&) {
   Scheme scheme;
@@ -168,7 +173,8 @@ Adapter template_adapter() {
           .variants = {{"free_flight", "no contact: refuses the step in which bodies may touch"}},
           .knobs = to_knobs(k_knobs),
           .build = build_template,
-          .scheme = template_scheme};
+          .scheme = template_scheme,
+          .asked = asked_of_template};
 }
 
 }  // namespace brickbench

@@ -46,6 +46,9 @@ struct Adapter {
   // Optional: the scheme that the engine documents for these settings (variant filled in); nullptr
   // or nullopt where none is stated, and then no discrete truth is claimed.
   std::optional<Scheme> (*scheme)(const Settings&) = nullptr;
+  // Optional: what Audit::settings of the world built with these settings (variant filled in) must
+  // hold, by name and to the letter: step, solver, and every knob that reaches the engine.
+  std::vector<AuditFact> (*asked)(const World&, const Settings&) = nullptr;
   bool own = false;  // an engine of this project: reports print its losses first
 };
 

@@ -57,4 +57,25 @@ inline double knob_value(std::span<const KnobRow> rows, const Settings& settings
   return knob_or(settings, name, settings.variant == k_library_variant ? row->library : row->tuned);
 }
 
+// The shortest text that reads back to the same number.
+inline AuditFact number_fact(std::string name, std::string unit, double value) {
+  return {std::move(name), std::move(unit), fmt::format("{}", value)};
+}
+
+// Step and knobs as Adapter::asked states them, under the names of the knobs.
+inline std::vector<AuditFact> asked_knobs(std::span<const KnobRow> rows, const Settings& settings) {
+  std::vector<AuditFact> facts = {number_fact("step_s", "s", settings.step_s)};
+  for (const KnobRow& row : rows) {
+    facts.push_back(number_fact(row.name, row.unit, knob_value(rows, settings, row.name)));
+  }
+  return facts;
+}
+
+// `values` in one text if they are all the same, else how they differ; "-" if there are none.
+inline std::string common_text(std::span<const double> values) {
+  if (values.empty()) return "-";
+  const auto [least, most] = std::ranges::minmax(values);
+  return least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most);
+}
+
 }  // namespace brickbench

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace brickbench::exact {
@@ -52,11 +53,27 @@ void compare_body(const Body& body, const BodyAudit& live, std::vector<std::stri
   if (live.can_sleep) note("may fall asleep");
 }
 
+void compare_settings(std::span<const AuditFact> live, std::span<const AuditFact> asked,
+                      std::vector<std::string>& out) {
+  for (const AuditFact& wanted : asked) {
+    const auto found = std::ranges::find(live, wanted.name, &AuditFact::name);
+    if (found == live.end()) {
+      out.push_back(fmt::format("setting '{}': the live engine does not show it", wanted.name));
+    } else if (found->value != wanted.value) {
+      const std::string unit = found->unit == "1" ? "" : ' ' + found->unit;
+      out.push_back(fmt::format("setting '{}': {}{} instead of {}{}", wanted.name, found->value,
+                                unit, wanted.value, unit));
+    }
+  }
+}
+
 }  // namespace
 
-std::vector<std::string> audit_differences(const World& world, const AuditView& view) {
+std::vector<std::string> audit_differences(const World& world, const AuditView& view,
+                                           std::span<const AuditFact> asked) {
   std::vector<std::string> out;
   const Audit audit = view.audit();
+  compare_settings(audit.settings, asked, out);
   if (!same(audit.gravity_mps2, world.gravity_mps2)) {
     out.push_back(fmt::format("gravity {} m/s2 instead of {} m/s2", text(audit.gravity_mps2),
                               text(world.gravity_mps2)));

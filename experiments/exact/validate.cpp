@@ -23,10 +23,13 @@ double distance(double a, double b, double scale) {
   return std::abs(a - b) / scale;
 }
 
-Expected<void> check_audit(const World& world, const Simulation& simulation) {
+Expected<void> check_audit(const Adapter& adapter, const Settings& settings, const World& world,
+                           const Simulation& simulation) {
   const AuditView* view = simulation.audit_view();
   if (view == nullptr) return {};
-  const std::vector<std::string> differences = audit_differences(world, *view);
+  std::vector<AuditFact> asked;
+  if (adapter.asked != nullptr) asked = adapter.asked(world, settings);
+  const std::vector<std::string> differences = audit_differences(world, *view, asked);
   if (differences.empty()) return {};
   return fail(Fault::invalid, fmt::format("{}", fmt::join(differences, "; ")));
 }
@@ -170,9 +173,12 @@ CellResult predict(const Adapter& adapter, const std::string& variant, const Exa
 
 Expected<std::vector<double>> measure(const Adapter& adapter, const std::string& variant,
                                       const ExactCase& exact_case, const ExactRun& run) {
-  auto built = brickbench::build(adapter, run.world, settings_of(adapter, variant, run));
+  const Settings settings = settings_of(adapter, variant, run);
+  auto built = brickbench::build(adapter, run.world, settings);
   if (!built) return tl::unexpected(built.error());
-  if (auto ok = check_audit(run.world, **built); !ok) return tl::unexpected(ok.error());
+  if (auto ok = check_audit(adapter, settings, run.world, **built); !ok) {
+    return tl::unexpected(ok.error());
+  }
   Live live;
   live.simulation = std::move(*built);
   live.states.resize(run.world.bodies.size());

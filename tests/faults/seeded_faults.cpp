@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "adapters/catalog.hpp"
@@ -31,6 +32,27 @@ std::vector<std::size_t> moving(const World& world) {
     if (!world.bodies[i].fixed) indices.push_back(i);
   }
   return indices;
+}
+
+World demanding_world();
+
+// The first knob that the correct engine shows and that can be doubled or halved.
+void change_a_knob(Settings& settings) {
+  const Adapter adapter = correct_adapter();
+  const World world = demanding_world();
+  for (const AuditFact& fact : adapter.asked(world, settings)) {
+    if (std::ranges::find(adapter.knobs, fact.name, &Knob::name) == adapter.knobs.end()) continue;
+    for (const double factor : {2.0, 0.5}) {
+      Settings changed = settings;
+      changed.knobs[fact.name] = factor * std::stod(fact.value);
+      if (changed.knobs[fact.name] == std::stod(fact.value) ||
+          !build(adapter, world, changed).has_value()) {
+        continue;
+      }
+      settings = changed;
+      return;
+    }
+  }
 }
 
 constexpr std::array k_faults = {
@@ -134,6 +156,12 @@ constexpr std::array k_faults = {
     SeededFault{.name = "step_rounded",
                 .story = "the step is 1e-6 too long",
                 .settings = [](Settings& s) { s.step_s *= 1.0 + 1e-6; }},
+    SeededFault{.name = "setting_swallowed",
+                .story = "one setting of the solver has not the value asked for",
+                .settings = change_a_knob},
+    SeededFault{.name = "variant_swallowed",
+                .story = "another variant of the engine runs than the one asked for",
+                .settings = [](Settings& s) { s.variant = correct_adapter().variants[1].name; }},
     // Wrenches.
     SeededFault{.name = "wrench_ignored",
                 .story = "applied forces never arrive",
@@ -348,7 +376,7 @@ Adapter correct_adapter() {
     if (adapter.scheme == nullptr) continue;
     Settings plain;
     plain.variant = adapter.variants.front().name;
-    if (!adapter.scheme(plain)) continue;
+    if (!adapter.scheme(plain) || adapter.asked == nullptr) continue;
     if (build(adapter, demanding_world(), {}).has_value()) return adapter;
   }
   return {};
