@@ -151,12 +151,32 @@ std::optional<Scheme> velocity_scheme(const Settings& settings) {
   return scheme;
 }
 
-// The soft contact of `fast` lives between the sub-steps: no map of Scheme.
+// As ourengine/fast/fast_dynamics.hpp, soft_batch.hpp and manifold_set.hpp state it.
+Scheme fast_scheme(const Settings& settings) {
+  const auto value = [&](std::string_view name) {
+    return knob_value(k_fast_knobs, settings, name);
+  };
+  Scheme scheme;
+  scheme.source = "Catto, Solver2D 2024; Macklin et al., Small Steps, 2019; ourengine/fast";
+  scheme.position = PositionRule::mean_velocity;  // of bodies that nothing touches
+  scheme.gyroscopic = GyroscopicRule::spatial_momentum;
+  scheme.attitude = AttitudeRule::moser_veselov;
+  scheme.soft = SoftContact{.substeps = fast_substeps(settings),
+                            .frequency_hz = value("contact_frequency_hz"),
+                            .damping_ratio = value("damping_ratio"),
+                            .push_limit_mps = value("push_limit_mps"),
+                            .margin_m = value("margin_m"),
+                            .resting_approach_mps = value("resting_approach_mps"),
+                            .keep_share = 1e-3,
+                            .same_point_share = 0.1};
+  return scheme;
+}
+
 std::optional<Scheme> ourengine_scheme(const Settings& settings) {
   const std::string& variant = settings.variant;
   if (variant == "baraff" || variant == "paper") return baraff_scheme();
   if (variant == "exact" || variant == "lcp") return velocity_scheme(settings);
-  return std::nullopt;
+  return fast_scheme(settings);
 }
 
 }  // namespace

@@ -72,6 +72,24 @@ struct CompliantContact {
   double box_gap_share = 1.0;  // the gap between two boxes counts this much
 };
 
+// Contact as a damped spring within sub-steps, in single precision (Catto 2024): the step is cut
+// into equal parts; in each, impulses carried over act first, then each contact is served once with
+// a push against its overlap before the bodies move, and once without it after. Impulses last from
+// sub-step to sub-step and from step to step. Newton's restitution closes the step. A body that no
+// contact pushed during the step flies freely instead.
+struct SoftContact {
+  int substeps = 1;
+  double frequency_hz = 0.0;  // of the spring; at most one radian per sub-step
+  double damping_ratio = 0.0;
+  double push_limit_mps = std::numeric_limits<double>::infinity();
+  double margin_m = 0.0;              // a contact is stated where gap <= margin + reach in the step
+  double resting_approach_mps = 0.0;  // slower approaches do not bounce
+  // A contact's points stay fixed to both bodies until these have moved against each other by this
+  // share of the thinner one; then it is found anew, with its old impulse if the point is the same.
+  double keep_share = 0.0;
+  double same_point_share = 0.0;  // of the thinner body
+};
+
 // The set of friction forces that a contact of normal force N admits.
 enum class FrictionSet {
   circle,     // |f| <= mu N, opposite to the slip
@@ -85,9 +103,10 @@ struct Scheme {
   GyroscopicRule gyroscopic = GyroscopicRule::neglected;
   AttitudeRule attitude = AttitudeRule::exponential;
   double order = 1.0;  // promised order of convergence of smooth motion
-  // At most one of the two; neither: the engine's contact has no map that is predicted here.
+  // At most one of the three; none: the engine's contact has no map that is predicted here.
   std::optional<ImpulseContact> impulse;
   std::optional<CompliantContact> compliant;
+  std::optional<SoftContact> soft;
   FrictionSet friction = FrictionSet::circle;
 };
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "experiments/exact/soft_map.hpp"
+
 namespace brickbench::exact {
 namespace {
 
@@ -349,6 +351,9 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
     return std::nullopt;
   }
   Recorder recorder(run, exact_case.observables.size());
+  std::optional<SoftMap> soft;
+  if (scheme.soft && run.geometry) soft.emplace(scheme, run);
+  std::vector<PointContact> contacts;
   std::vector<State> states;
   for (const Body& body : run.world.bodies) states.push_back(body.initial);
   std::vector<Wrench> wrenches(states.size());
@@ -362,7 +367,13 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
     const double start_s = static_cast<double>(step) * run.step_s;
     std::ranges::fill(wrenches, Wrench{});
     if (run.load) run.load(step, start_s, wrenches);
-    if (!advance(scheme, run, wrenches, states, out)) return std::nullopt;
+    if (soft) {
+      contacts.clear();
+      run.geometry(states, contacts);
+      if (!soft->advance(wrenches, contacts, states, out)) return std::nullopt;
+    } else if (!advance(scheme, run, wrenches, states, out)) {
+      return std::nullopt;
+    }
     recorder.see({.step = step + 1,
                   .time_s = static_cast<double>(step + 1) * run.step_s,
                   .states = states,
