@@ -83,7 +83,8 @@ TEST_F(ClockJumps, ReachThisProgram) {
 TEST_F(ClockJumps, NeitherEndACellNorKeepOneNorChangeARow) {
   const SweepOfFakes fakes(
       fall_plan(R"(["slow", "hang", "good"])", "seeds = 3\nperturb = { position_m = 0.1 }\n"));
-  const SweepOptions options = {.jobs = 2, .limits = {.wall_s = 0.5}};
+  // Long enough for the cells that end, on a machine that is busy with other things too.
+  const SweepOptions options = {.jobs = 4, .limits = {.wall_s = 2.0}};
   ASSERT_TRUE(fakes.run(folder_ / "undisturbed", options).has_value());
   const std::string expected = merged(folder_ / "undisturbed");
 
@@ -93,7 +94,7 @@ TEST_F(ClockJumps, NeitherEndACellNorKeepOneNorChangeARow) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   ASSERT_TRUE(summary.has_value()) << summary.error().reason;
   EXPECT_EQ(summary->missing(), 0U);
-  EXPECT_LT(took.count(), 10.0) << "s; three cells hang, each has half a second";
+  EXPECT_LT(took.count(), 30.0) << "s; three cells hang, each has two seconds";
   EXPECT_EQ(merged(folder_ / "s"), expected);
 }
 
