@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/verbs.hpp"
 
@@ -17,8 +18,10 @@ struct ReportVerbOptions {
 };
 
 int report(const ReportVerbOptions& options) {
-  const auto sources = read_sources(options.folders);
+  auto sources = read_sources(options.folders);
   if (!sources) return complain_of(sources.error());
+  fold_validations(*sources);
+  add_replay_depths(*sources, options.replay_frames);
   const auto files =
       report_files(*sources, page_assets(), {.replay_frames = options.replay_frames});
   const std::vector<Figure> figures = report_figures(*sources);

@@ -127,7 +127,7 @@ nlohmann::ordered_json to_json(const Figure& figure) {
     curves.push_back(std::move(json));
   }
   return {{"id", figure.id},
-          {"title", figure.title},
+          {"title", figure.heading.empty() ? figure.title : figure.heading},
           {"scene", figure.scene},
           {"x", {{"text", figure.x.text()}, {"log", figure.x.logarithmic}}},
           {"y", {{"text", figure.y.text()}, {"log", figure.y.logarithmic}}},

@@ -30,7 +30,8 @@ struct Axis {
 struct Figure {
   std::string id;       // a file name: [a-z0-9_-]+
   std::string title;    // what is seen
-  std::string scene;    // which replay belongs to it; may be empty
+  std::string scene;    // label of the scene, or of the scene without its step; may be empty
+  std::string heading;  // the title on a page that groups by scene; empty: the title
   std::string caption;  // may be empty
   Axis x;
   Axis y;

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "reports/src/replay_source.hpp"
-#include "reports/src/summary.hpp"
+#include "reports/src/scene_names.hpp"
 
 namespace brickbench {
 namespace {
@@ -27,12 +27,6 @@ std::map<std::string, CellFacts> facts_by_cell(const ReportSource& source) {
       facts.emplace(row.cell, CellFacts{scene_of(row), contender_of(row), row.seed});
   }
   return facts;
-}
-
-// The block without its step: what a study of the step compares.
-std::string family_of(const Block& block) {
-  return fmt::format("{}{}{}, {} s", block.experiment, block.axes.empty() ? "" : ": ", block.axes,
-                     block.duration_s);
 }
 
 // "energy_created_j" is told by "energy_created_relative" where both exist.
@@ -144,6 +138,7 @@ std::vector<Figure> figures_over_time(const ReportSource& source, Palette& palet
           file_id(fmt::format("time-{}-{}-{}", point.experiment, figures.size(), point.curve));
       figure.title = fmt::format("{}: {}", point.curve, cell.scene);
       figure.scene = cell.scene;
+      figure.heading = point.curve;
       figure.x = {"time_s", "s", false};
       figure.y = {point.curve, point.unit, false};
       figure.over_time = true;
@@ -158,19 +153,22 @@ std::vector<Figure> figures_over_time(const ReportSource& source, Palette& palet
 std::vector<Figure> figures_against_step(const ReportSource& source, Palette& palette) {
   const std::vector<Block> blocks = summarize(source.rows);
   std::map<std::string, std::set<double>> steps;
-  for (const Block& block : blocks) steps[family_of(block)].insert(block.step_s);
+  for (const Block& block : blocks) steps[family_label(block)].insert(block.step_s);
   std::vector<Figure> figures;
   std::map<Place, std::size_t> known;
   for (const Block& block : blocks) {
-    if (steps[family_of(block)].size() < 2) continue;
+    if (steps[family_label(block)].size() < 2) continue;
     for (std::size_t n = 0; n < block.numbers.size(); ++n) {
       const Number& number = block.numbers[n];
       if (!should_be_small(block, number)) continue;
-      Figure& figure = figure_of(figures, known, Place{family_of(block), block.group, number.name});
+      Figure& figure =
+          figure_of(figures, known, Place{family_label(block), block.group, number.name});
       if (figure.id.empty()) {
         figure.id =
             file_id(fmt::format("step-{}-{}-{}", block.experiment, figures.size(), number.name));
-        figure.title = fmt::format("{} against the step: {}", number.name, family_of(block));
+        figure.title = fmt::format("{} against the step: {}", number.name, family_label(block));
+        figure.scene = family_label(block);
+        figure.heading = number.name;
         figure.x = {"step_s", "s", true};
         figure.y = {number.name, number.unit, true};
         figure.markers = true;
@@ -218,11 +216,14 @@ std::vector<Figure> figures_against_cost(const ReportSource& source, Palette& pa
         block.numbers, [&](const Number& number) { return should_be_small(block, number); });
     if (first == block.numbers.end()) continue;
     const auto n = static_cast<std::size_t>(first - block.numbers.begin());
-    Figure& figure = figure_of(figures, known, Place{family_of(block), block.group, first->name});
+    Figure& figure =
+        figure_of(figures, known, Place{family_label(block), block.group, first->name});
     if (figure.id.empty()) {
       figure.id =
           file_id(fmt::format("cost-{}-{}-{}", block.experiment, figures.size(), first->name));
-      figure.title = fmt::format("{} against cost: {}", first->name, family_of(block));
+      figure.title = fmt::format("{} against cost: {}", first->name, family_label(block));
+      figure.scene = family_label(block);
+      figure.heading = first->name;
       figure.x = {"engine CPU seconds per simulated second", "1", true};
       figure.y = {first->name, first->unit, true};
       figure.markers = true;

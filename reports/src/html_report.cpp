@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 #include "reports/src/figures.hpp"
@@ -25,18 +26,45 @@ void number_ids(std::vector<Figure>& figures, const std::string& prefix) {
   for (Figure& figure : figures) figure.id = prefix + figure.id;
 }
 
-std::string figures_html(const std::vector<Figure>& figures, bool draw_svg) {
-  if (figures.empty()) return "";
-  std::string out = "<div class=\"figures\">\n";
-  std::string scene;
-  for (const Figure& figure : figures) {
-    if (figure.scene != scene) {
-      scene = figure.scene;
-      out += fmt::format("<h4>{}</h4>\n", escape_markup(scene));
+// What a reader looks at first; the other curves of a scene wait behind a line.
+constexpr std::array<std::string_view, 6> k_first_curves = {
+    "kinetic_energy_j", "total_energy_j", "penetration_m",
+    "displaced_count",  "contacts_now",   "linear_momentum_y_ns"};
+
+bool comes_first(const Figure& figure) {
+  return !figure.over_time ||
+         std::ranges::find(k_first_curves, figure.heading) != k_first_curves.end();
+}
+
+std::string grid(const std::string& figures) {
+  return "<div class=\"figures\">\n" + figures + "</div>\n";
+}
+
+std::string figures_html(const std::vector<Figure>& figures, const SceneNames& names,
+                         bool draw_svg) {
+  std::string out;
+  for (auto from = figures.begin(); from != figures.end();) {
+    const auto to = std::find_if(from, figures.end(),
+                                 [&](const Figure& other) { return other.scene != from->scene; });
+    if (!from->scene.empty())
+      out += fmt::format("<h4>{}</h4>\n", escape_markup(names.brief(from->scene)));
+    const bool any_first = std::any_of(from, to, comes_first);
+    std::string first;
+    std::string rest;
+    std::size_t waiting = 0;
+    for (; from != to; ++from) {
+      const bool now = !any_first || comes_first(*from);
+      waiting += now ? 0U : 1U;
+      (now ? first : rest) += html_figure(*from, draw_svg);
     }
-    out += html_figure(figure, draw_svg);
+    out += grid(first);
+    if (waiting > 0) {
+      out +=
+          fmt::format("<details class=\"more\"><summary>{} more curves</summary>\n{}</details>\n",
+                      waiting, grid(rest));
+    }
   }
-  return out + "</div>\n";
+  return out;
 }
 
 // What keeps the page small, the same for all its replays.
@@ -85,6 +113,13 @@ std::string replay_facts(const ReportSource& source, const ReplayLimits& limits)
             ? std::string("of the last frame shown")
             : fmt::format("of every frame number {} of those shown", limits.contact_stride));
   }
+  if (std::ranges::any_of(source.replays,
+                          [](const Replay& r) { return !r.penetrations_m.empty(); })) {
+    out += fmt::format(
+        " Penetration: of each body the deepest overlap with any other, from the recorded poses "
+        "alone, to {:g} mm.",
+        500.0 * k_penetration_lattice_m);
+  }
   return "<p class=\"quiet\">" + escape_markup(out + notes) + "</p>\n";
 }
 
@@ -107,13 +142,15 @@ std::string replay_html(const ReportSource& source, const PageAssets& assets,
 // The replays by scene: bodies once, one view per engine.
 void add_scenes(const ReportSource& source, const Palette& palette, const ReplayLimits& limits,
                 nlohmann::ordered_json& scenes) {
+  const SceneNames names(summarize(source.rows));
   for (const Replay& replay : source.replays) {
     auto found = std::find_if(scenes.begin(), scenes.end(), [&](const auto& scene) {
-      return scene["name"] == replay.scene && scene["source"] == source.name &&
+      return scene["label"] == replay.scene && scene["source"] == source.name &&
              scene["bodies"] == bodies_json(replay.bodies);
     });
     if (found == scenes.end()) {
-      scenes.push_back({{"name", replay.scene},
+      scenes.push_back({{"name", names.brief(replay.scene)},
+                        {"label", replay.scene},
                         {"source", source.name},
                         {"bodies", bodies_json(replay.bodies)},
                         {"views", nlohmann::ordered_json::array()}});
@@ -130,6 +167,7 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
                         const Palette& palette, const PageAssets& assets, const std::string& prefix,
                         const ReplayLimits& limits) {
   const std::vector<Block> blocks = summarize(source.rows);
+  const SceneNames names(blocks);
   const bool svg = assets.script.empty();
   const Provenance& p = source.provenance;
   std::string out = fmt::format("<header><h1>{}</h1>\n", escape_markup(p.title));
@@ -139,15 +177,15 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
   const auto section = [&](const char* id, const char* title, const std::string& body) {
     out += html_section(prefix + id, title, body);
   };
-  section("verdict", "Verdict", html_verdict(source, blocks));
+  section("verdict", "Verdict", html_verdict(source, blocks, names, palette));
   if (!source.rows.empty()) section("replay", "Replay", replay_html(source, assets, limits));
-  section("time", "Over time", figures_html(figures.time, svg));
-  section("tables", "Scenes", html_scene_tables(blocks, source, palette));
-  section("step", "Error against the step", figures_html(figures.step, svg));
-  section("cost", "Accuracy against cost", figures_html(figures.cost, svg));
+  section("time", "Over time", figures_html(figures.time, names, svg));
+  section("tables", "Scenes", html_scene_tables(blocks, names, palette));
+  section("step", "Error against the step", figures_html(figures.step, names, svg));
+  section("cost", "Accuracy against cost", figures_html(figures.cost, names, svg));
   section("validation", "Validation",
           html_validation(source, palette, "figures/" + prefix + "validation.csv"));
-  section("unfinished", "Cells without numbers", html_unfinished(source));
+  section("unfinished", "Cells without numbers", html_unfinished(source, names));
   section("engines", "Who was run", html_contenders(source, palette));
   section("method", "Method and provenance", html_method(source));
   section("numbers", "What the numbers mean", html_glossary(source));

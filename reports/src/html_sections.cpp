@@ -26,10 +26,20 @@ std::string swatch(const std::string& label, const Palette& palette) {
   return fmt::format("<i class=\"swatch\" style=\"background:{}\"></i>", palette_colour(index));
 }
 
+// Long names may break after an underscore.
+std::string breakable(const std::string& text) {
+  std::string out;
+  for (const char c : escape_markup(text)) {
+    out += c;
+    if (c == '_') out += "<wbr>";
+  }
+  return out;
+}
+
 std::string header_row(const std::vector<std::string>& header) {
   std::string out = "<thead><tr>";
   for (const std::string& text : header) {
-    out += fmt::format("<th scope=\"col\">{}</th>", escape_markup(text));
+    out += fmt::format("<th scope=\"col\">{}</th>", breakable(text));
   }
   return out + "</tr></thead><tbody>\n";
 }
@@ -51,9 +61,87 @@ const char* class_of(const TableCell& cell) {
   return "";
 }
 
+// Whether every number of the row failed in the same words.
+bool is_failed_row(const std::vector<TableCell>& row) {
+  return row.size() > 2 && std::all_of(row.begin() + 1, row.end(), [&](const TableCell& cell) {
+           return cell.mark == Mark::failed && cell.text == row[1].text;
+         });
+}
+
+// A table of texts: all columns at the left, and rows of the same first text as one group.
+std::string text_table(const Table& table, const Palette& palette) {
+  std::string out = "<div class=\"scroll\"><table class=\"texts\">\n" + header_row(table.header);
+  std::string before;
+  for (const auto& row : table.rows) {
+    const bool again = row[0].text == before;
+    before = row[0].text;
+    out += again ? "<tr>" : "<tr class=\"first\">";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string text = i == 0 && again ? "" : breakable(row[i].text);
+      const std::string label = row[i].text.substr(0, row[i].text.find(": "));
+      const std::string colour = swatch(label.substr(0, label.find(" and ")), palette);
+      out += i == 0 ? fmt::format("<th scope=\"row\">{}{}</th>", again ? "" : colour, text)
+                    : fmt::format("<td{} data-label=\"{}\">{}{}</td>", class_of(row[i]),
+                                  escape_markup(table.header[i]), colour, text);
+    }
+    out += "</tr>\n";
+  }
+  return out + k_table_close;
+}
+
+// What a cell of the validation matrix says, as a class of the style.
+const char* verdict_class(const TableCell& cell) {
+  if (cell.mark == Mark::failed) return "failed";
+  if (cell.text.starts_with("open")) return "open";
+  return cell.text.find(" / ") == std::string::npos ? "none" : "held";
+}
+
+// Many narrow columns: cells of two lines, heads that break after the engine.
+std::string matrix_table(const Table& table, const Palette& palette) {
+  std::string out = "<div class=\"scroll\"><table class=\"matrix\">\n<thead><tr>";
+  for (const std::string& name : table.header) {
+    std::string text = escape_markup(name);
+    if (const std::size_t at = text.find('/'); at != std::string::npos)
+      text.insert(at + 1, "<wbr>");
+    out += fmt::format("<th scope=\"col\">{}{}</th>", swatch(name, palette), text);
+  }
+  out += "</tr></thead><tbody>\n";
+  for (const auto& row : table.rows) {
+    out += fmt::format("<tr><th scope=\"row\">{}</th>", escape_markup(row[0].text));
+    for (std::size_t i = 1; i < row.size(); ++i) {
+      out += fmt::format("<td class=\"{}\">{}</td>", verdict_class(row[i]),
+                         escape_markup(row[i].text));
+    }
+    out += "</tr>\n";
+  }
+  return out + k_table_close;
+}
+
 std::string summary_details(const std::string& summary, const std::string& body, bool open) {
   return fmt::format("<details{}><summary>{}</summary>\n{}</details>\n", open ? " open" : "",
                      escape_markup(summary), body);
+}
+
+// Every number in which our own engines are beaten; the widest first.
+std::string html_losses(const ReportSource& source, const std::vector<Block>& blocks,
+                        const SceneNames& names, const Palette& palette) {
+  const std::vector<std::string> own = own_engines(source.provenance);
+  const LossTable lost = losses(blocks, own);
+  if (lost.rows.empty()) return "";
+  Table table;
+  table.header = {"number", "scene", "ours", "best", "ours / best"};
+  for (const Loss& loss : lost.rows) {
+    table.rows.push_back({{loss.number},
+                          {names.brief(loss.scene)},
+                          {loss.ours + ": " + short_number(loss.ours_value)},
+                          {loss.best + ": " + short_number(loss.best_value)},
+                          {loss.rounding ? "rounding"
+                           : loss.ratio  ? short_number(*loss.ratio)
+                                         : "-"}});
+  }
+  return summary_details(fmt::format("Where our own engine is not the best: {} of {} comparisons",
+                                     lost.rows.size(), lost.compared),
+                         text_table(table, palette), lost.rows.size() <= 24);
 }
 
 }  // namespace
@@ -68,10 +156,13 @@ std::string html_table(const Table& table, const Palette& palette) {
   std::string out = k_table_open + header_row(table.header);
   for (const auto& row : table.rows) {
     out += "<tr>";
-    for (std::size_t i = 0; i < row.size(); ++i) {
+    const bool failed = is_failed_row(row);
+    for (std::size_t i = 0; i < row.size() && (i < 2 || !failed); ++i) {
       const std::string text = escape_markup(row[i].text);
       if (i == 0)
         out += fmt::format("<th scope=\"row\">{}{}</th>", swatch(row[i].text, palette), text);
+      else if (failed)
+        out += fmt::format("<td class=\"failed all\" colspan=\"{}\">{}</td>", row.size() - 1, text);
       else
         out += fmt::format("<td{}>{}</td>", class_of(row[i]), text);
     }
@@ -88,39 +179,30 @@ std::string html_figure(const Figure& figure, bool draw_svg) {
                      figure.id, draw_svg ? to_svg(figure, false) : "", caption);
 }
 
-std::string html_verdict(const ReportSource& source, const std::vector<Block>& blocks) {
+std::string html_verdict(const ReportSource& source, const std::vector<Block>& blocks,
+                         const SceneNames& names, const Palette& palette) {
   std::string out = "<ul class=\"verdict\">\n";
-  for (const std::string& line : verdict(source, blocks)) {
+  for (const std::string& line : verdict(source, blocks, names)) {
     out += fmt::format("<li>{}</li>\n", escape_markup(line));
   }
-  return out + "</ul>\n";
+  out += "</ul>\n" + html_losses(source, blocks, names, palette);
+  const Table table = verdict_table(source, blocks, names);
+  if (table.rows.empty()) return out;
+  return out + "<h4>Best and worst of each scene</h4>\n" + text_table(table, palette);
 }
 
-std::string html_scene_tables(const std::vector<Block>& blocks, const ReportSource& source,
+std::string html_scene_tables(const std::vector<Block>& blocks, const SceneNames& names,
                               const Palette& palette) {
   std::string out;
-  const std::vector<std::string> own = own_engines(source.provenance);
-  const LossTable lost = losses(blocks, own);
-  if (!lost.rows.empty()) {
-    Table table;
-    table.header = {"number", "scene", "ours", "value", "best", "value", "ours / best"};
-    for (const Loss& loss : lost.rows) {
-      table.rows.push_back({{loss.number},
-                            {loss.scene},
-                            {loss.ours},
-                            {short_number(loss.ours_value)},
-                            {loss.best},
-                            {short_number(loss.best_value)},
-                            {loss.ratio ? short_number(*loss.ratio) : "-"}});
-    }
-    out += summary_details(fmt::format("Where our own engine is not the best: {} of {} comparisons",
-                                       lost.rows.size(), lost.compared),
-                           html_table(table, palette), lost.rows.size() <= 12);
-  }
   std::string scene;
   std::string body;
   const auto flush = [&] {
-    if (!body.empty()) out += summary_details(scene, body, true);
+    if (!body.empty()) {
+      const std::string& brief = names.brief(scene);
+      const std::string whole =
+          brief == scene ? "" : fmt::format("<p class=\"quiet\">{}</p>\n", escape_markup(scene));
+      out += summary_details(brief, whole + body, true);
+    }
     body.clear();
   };
   for (const Block& block : blocks) {
@@ -141,10 +223,10 @@ std::string html_validation(const ReportSource& source, const Palette& palette,
   if (source.validation.is_null()) return "";
   return fmt::format("<p>{} <a href=\"{}\">CSV</a></p>\n{}",
                      escape_markup(validation_legend(source)), csv,
-                     html_table(validation_matrix(source), palette));
+                     matrix_table(validation_matrix(source), palette));
 }
 
-std::string html_unfinished(const ReportSource& source) {
+std::string html_unfinished(const ReportSource& source, const SceneNames& names) {
   std::string rows;
   std::set<std::string> seen;
   for (const Row& row : source.rows) {
@@ -153,9 +235,12 @@ std::string html_unfinished(const ReportSource& source) {
         row.outcome == "excluded" ? "" : reproduce_command(row, source.provenance.plan);
     rows += fmt::format(
         "<tr><th scope=\"row\">{}</th><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}"
-        "</td><td class=\"text\"><code>{}</code></td></tr>\n",
-        escape_markup(contender_of(row)), escape_markup(scene_of(row)), escape_markup(row.outcome),
-        escape_markup(row.reason), escape_markup(repeat));
+        "</td><td class=\"text\">{}</td></tr>\n",
+        escape_markup(contender_of(row)), escape_markup(names.brief(scene_of(row))),
+        escape_markup(row.outcome), escape_markup(row.reason),
+        repeat.empty() ? ""
+                       : fmt::format("<details><summary>command</summary><code>{}</code></details>",
+                                     escape_markup(repeat)));
   }
   if (rows.empty()) return "";
   return k_table_open + header_row({"engine", "scene", "outcome", "reason", "repeat"}) + rows +
@@ -186,13 +271,13 @@ std::string html_contenders(const ReportSource& source, const Palette& palette) 
                           {is_own ? "this project" : "others"},
                           {fmt::format("{} of {}", cells[label].first, cells[label].second)}});
   }
-  std::string out = table.rows.empty() ? "" : html_table(table, palette);
+  std::string out = table.rows.empty() ? "" : text_table(table, palette);
   const Table audit = audit_table(source);
   if (!audit.rows.empty()) {
     out +=
         "<p>Validated; settings and facts are read back from the live engine before any score, "
         "and a fact that did not arrive is a failed cell.</p>\n" +
-        html_table(audit, palette);
+        text_table(audit, palette);
   }
   return out;
 }
@@ -200,15 +285,21 @@ std::string html_contenders(const ReportSource& source, const Palette& palette) 
 std::string html_method(const ReportSource& source) {
   const Provenance& p = source.provenance;
   const Machine& m = p.machine;
+  std::string attached;
+  for (const Provenance& other : source.attached) {
+    attached += fmt::format("<p>{}, at {}, revision {}:</p>\n<pre><code>{}</code></pre>\n",
+                            escape_markup(other.title), escape_markup(other.date_utc),
+                            escape_markup(other.machine.revision), escape_markup(other.command));
+  }
   return fmt::format(
       "<p>Every number is computed from the states that an engine reported, by code that shares "
       "nothing with any engine. A mean or a ratio names how many cells it speaks of.</p>\n"
       "<pre><code>{}</code></pre>\n<p>Run at {} on {} ({} cores), {}, {}. Revision {}, {} build "
-      "with {} {}.{}</p>\n",
+      "with {} {}.{}</p>\n{}",
       escape_markup(p.command), escape_markup(p.date_utc), escape_markup(m.cpu), m.cores,
       escape_markup(m.architecture), escape_markup(m.system), escape_markup(m.revision),
       escape_markup(m.build_type), escape_markup(m.compiler), escape_markup(m.flags),
-      p.plan.empty() ? "" : " Plan " + escape_markup(p.plan) + '.');
+      p.plan.empty() ? "" : " Plan " + escape_markup(p.plan) + '.', attached);
 }
 
 std::string html_glossary(const ReportSource& source) {

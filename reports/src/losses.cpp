@@ -22,6 +22,7 @@ std::optional<std::size_t> best_of(const Block& block, std::size_t n, const Belo
 }
 
 double severity(const Loss& loss) {
+  if (loss.rounding) return -1.0;
   if (!loss.ratio || *loss.ratio <= 0.0) return std::numeric_limits<double>::infinity();
   return std::abs(std::log(*loss.ratio));
 }
@@ -36,6 +37,13 @@ std::vector<std::string> own_engines(const Provenance& provenance) {
   return names;
 }
 
+std::optional<std::size_t> best_of_own(const Block& block, std::size_t n,
+                                       std::span<const std::string> own) {
+  return best_of(block, n, [&](const Contender& contender) {
+    return std::ranges::find(own, contender.engine) != own.end();
+  });
+}
+
 LossTable losses(std::span<const Block> blocks, std::span<const std::string> own) {
   const auto is_own = [&](const Contender& contender) {
     return std::ranges::find(own, contender.engine) != own.end();
@@ -44,7 +52,7 @@ LossTable losses(std::span<const Block> blocks, std::span<const std::string> own
   for (const Block& block : blocks) {
     for (std::size_t n = 0; n < block.numbers.size(); ++n) {
       if (block.numbers[n].better == "neither") continue;
-      const auto ours = best_of(block, n, is_own);
+      const auto ours = best_of_own(block, n, own);
       const auto other = best_of(block, n, [&](const Contender& c) { return !is_own(c); });
       if (!ours || !other) continue;
       ++table.compared;
@@ -57,8 +65,11 @@ LossTable losses(std::span<const Block> blocks, std::span<const std::string> own
                 a,
                 block.contenders[*other].label(),
                 b,
-                {}};
+                {},
+                false};
       if (b != 0.0) loss.ratio = a / b;
+      loss.rounding = std::abs(a - b) <= k_rounding;
+      table.rounding += loss.rounding ? 1U : 0U;
       table.rows.push_back(std::move(loss));
     }
   }

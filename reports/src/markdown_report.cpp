@@ -43,7 +43,12 @@ std::string own_losses(const ReportInput& input, const std::vector<Block>& block
   if (own.empty()) return "";
   const LossTable found = losses(blocks, own);
   std::string out = "## Where our own engine is not the best\n\n";
-  out += fmt::format("{} of {} comparisons are lost.\n\n", found.rows.size(), found.compared);
+  out += fmt::format("{} of {} comparisons are lost", found.rows.size(), found.compared);
+  if (found.rounding > 0) {
+    out += fmt::format(", {} of them by rounding only (at most {} in SI units)", found.rounding,
+                       k_rounding);
+  }
+  out += ".\n\n";
   if (found.rows.empty()) return out;
   Table table;
   table.header = {"number", "scene", "ours", "value", "best", "value", "ours / best"};
@@ -54,7 +59,9 @@ std::string own_losses(const ReportInput& input, const std::vector<Block>& block
                           {short_number(loss.ours_value)},
                           {loss.best},
                           {short_number(loss.best_value)},
-                          {loss.ratio ? short_number(*loss.ratio) : "-"}});
+                          {loss.rounding ? "rounding"
+                           : loss.ratio  ? short_number(*loss.ratio)
+                                         : "-"}});
   }
   return out + to_markdown(table) + '\n';
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
 #include "reports/src/replay_source.hpp"
@@ -85,6 +87,28 @@ Expected<ReportSource> read_report_source(const fs::path& folder) {
   source.replays = std::move(replays->replays);
   source.recorded_cells = replays->cells;
   return source;
+}
+
+void fold_validations(std::vector<ReportSource>& sources) {
+  for (std::size_t i = 0; i < sources.size();) {
+    ReportSource& from = sources[i];
+    const bool validates = !from.validation.is_null();
+    const bool orders = !from.orders.is_null();
+    const auto takes = [&](const ReportSource& into) {
+      return &into != &from && (!into.rows.empty() || &into < &from) &&
+             !(validates && !into.validation.is_null()) && !(orders && !into.orders.is_null());
+    };
+    const auto into = std::ranges::find_if(sources, takes);
+    if (!from.rows.empty() || (!validates && !orders) || into == sources.end()) {
+      ++i;
+      continue;
+    }
+    if (validates) into->validation = std::move(from.validation);
+    if (orders) into->orders = std::move(from.orders);
+    into->attached.push_back(std::move(from.provenance));
+    into->attached.insert(into->attached.end(), from.attached.begin(), from.attached.end());
+    sources.erase(sources.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 }  // namespace brickbench

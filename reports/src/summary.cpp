@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <tuple>
 
@@ -58,6 +59,10 @@ void reduce(Sheet& sheet) {
   }
 }
 
+bool is_same(const Score& a, const Score& b) {
+  return a.median && b.median && std::abs(*a.median - *b.median) <= k_rounding;
+}
+
 // Best and worst engine of each number that has a direction and differs between engines.
 void rank(Block& block) {
   for (std::size_t n = 0; n < block.numbers.size(); ++n) {
@@ -71,7 +76,7 @@ void rank(Block& block) {
       if (!low || *median < *block.scores[*low][n].median) low = c;
       if (!high || *median > *block.scores[*high][n].median) high = c;
     }
-    if (!low || *block.scores[*low][n].median == *block.scores[*high][n].median) continue;
+    if (!low || is_same(block.scores[*low][n], block.scores[*high][n])) continue;
     number.best = number.better == "lower" ? low : high;
     number.worst = number.better == "lower" ? high : low;
   }
@@ -126,6 +131,16 @@ std::vector<Block> summarize(std::span<const Row> rows) {
   return blocks;
 }
 
+bool is_best(const Block& block, std::size_t c, std::size_t n) {
+  const auto& best = block.numbers[n].best;
+  return best && is_same(block.scores[c][n], block.scores[*best][n]);
+}
+
+bool is_worst(const Block& block, std::size_t c, std::size_t n) {
+  const auto& worst = block.numbers[n].worst;
+  return worst && is_same(block.scores[c][n], block.scores[*worst][n]);
+}
+
 Table to_table(const Block& block) {
   std::vector<std::size_t> shown;
   for (std::size_t n = 0; n < block.numbers.size(); ++n) {
@@ -144,9 +159,9 @@ Table to_table(const Block& block) {
       Mark mark = Mark::plain;
       if (!score.median)
         mark = Mark::failed;
-      else if (block.numbers[n].best == c)
+      else if (is_best(block, c, n))
         mark = Mark::best;
-      else if (block.numbers[n].worst == c)
+      else if (is_worst(block, c, n))
         mark = Mark::worst;
       row.push_back({score_text(score), mark});
     }

@@ -12,6 +12,9 @@
 
 namespace brickbench {
 
+// Differences up to this, in a number's SI unit, are rounding: nobody is better by them.
+inline constexpr double k_rounding = 1e-11;
+
 // What one engine reached in one number of a block, over all cells (seeds) of it.
 struct Score {
   std::optional<double> median;  // of the cells with a value
@@ -29,7 +32,7 @@ struct Number {
   std::string unit;
   std::string better;  // lower, higher or neither
   std::optional<std::size_t>
-      best;  // index of an engine; none where nothing is better, or all equal
+      best;  // index of an engine; none where nothing is better, or all equal up to rounding
   std::optional<std::size_t> worst;
 };
 
@@ -64,6 +67,10 @@ AxesParts split_axes(const std::string& axes);
 
 // In the order of the rows.
 std::vector<Block> summarize(std::span<const Row> rows);
+
+// Whether contender c is as good as the best of number n, up to rounding.
+bool is_best(const Block& block, std::size_t c, std::size_t n);
+bool is_worst(const Block& block, std::size_t c, std::size_t n);
 
 // The scores of a block; cells without value show the outcome. A number that is not applicable to
 // this scene is left out; no rows if none is left.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -16,7 +17,7 @@ std::string with_unit(double value, const std::string& unit) {
 }
 
 void add_losses(const ReportSource& source, const std::vector<Block>& blocks,
-                std::vector<std::string>& out) {
+                const SceneNames& names, std::vector<std::string>& out) {
   const std::vector<std::string> own = own_engines(source.provenance);
   if (own.empty() || source.rows.empty()) return;
   const LossTable table = losses(blocks, own);
@@ -26,11 +27,15 @@ void add_losses(const ReportSource& source, const std::vector<Block>& blocks,
   }
   std::string line = fmt::format("Our own engine is beaten in {} of {} comparisons.",
                                  table.rows.size(), table.compared);
-  if (!table.rows.empty()) {
+  if (table.rounding > 0) {
+    line += fmt::format(" In {} of them by rounding only (at most {} in SI units).", table.rounding,
+                        k_rounding);
+  }
+  if (table.rows.size() > table.rounding) {
     const Loss& worst = table.rows.front();
     line += fmt::format(" The widest: {} in {}, {} with {} against {} with {}.", worst.number,
-                        worst.scene, worst.ours, short_number(worst.ours_value), worst.best,
-                        short_number(worst.best_value));
+                        names.brief(worst.scene), worst.ours, short_number(worst.ours_value),
+                        worst.best, short_number(worst.best_value));
   }
   out.push_back(line);
 }
@@ -48,26 +53,18 @@ const Number* telling(const Block& block) {
   return found;
 }
 
-void add_ranks(const std::vector<Block>& blocks, std::vector<std::string>& out) {
-  std::vector<std::string> order;
-  std::map<std::string, std::string> lines;
-  for (const Block& block : blocks) {
-    const Number* number = telling(block);
-    if (number == nullptr) continue;
-    const auto n = static_cast<std::size_t>(number - block.numbers.data());
-    std::size_t have = 0;
-    for (const auto& scores : block.scores) have += scores[n].median.has_value() ? 1 : 0;
-    const std::string scene = scene_label(block);
-    if (!lines.contains(scene)) order.push_back(scene);
-    std::string& line = lines[scene];
-    line +=
-        fmt::format("{}{}: best {} ({}), worst {} ({}), of {} that have it",
-                    line.empty() ? "" : "; ", number->name, block.contenders[*number->best].label(),
-                    with_unit(*block.scores[*number->best][n].median, number->unit),
-                    block.contenders[*number->worst].label(),
-                    with_unit(*block.scores[*number->worst][n].median, number->unit), have);
-  }
-  for (const std::string& scene : order) out.push_back(scene + ". " + lines[scene] + '.');
+// "bee/v" or "bee/v and 2 more".
+template <typename Belongs>
+std::string who(const Block& block, std::size_t first, const Belongs& belongs) {
+  std::size_t more = 0;
+  for (std::size_t c = 0; c < block.contenders.size(); ++c) more += belongs(c) ? 1U : 0U;
+  const std::string label = block.contenders[first].label();
+  return more <= 1 ? label : fmt::format("{} and {} more", label, more - 1);
+}
+
+std::size_t with_value(const Block& block, std::size_t n) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      block.scores, [n](const auto& scores) { return scores[n].median.has_value(); }));
 }
 
 void add_unfinished(const ReportSource& source, std::vector<std::string>& out) {
@@ -98,13 +95,43 @@ void add_validation(const ReportSource& source, std::vector<std::string>& out) {
 
 }  // namespace
 
-std::vector<std::string> verdict(const ReportSource& source, const std::vector<Block>& blocks) {
+std::vector<std::string> verdict(const ReportSource& source, const std::vector<Block>& blocks,
+                                 const SceneNames& names) {
   std::vector<std::string> out;
-  add_losses(source, blocks, out);
-  add_ranks(blocks, out);
+  add_losses(source, blocks, names, out);
   add_unfinished(source, out);
   add_validation(source, out);
   return out;
+}
+
+Table verdict_table(const ReportSource& source, const std::vector<Block>& blocks,
+                    const SceneNames& names) {
+  const std::vector<std::string> own = own_engines(source.provenance);
+  Table table;
+  table.header = {"scene", "number", "best", "worst", "our best", "have it"};
+  for (const Block& block : blocks) {
+    const Number* number = telling(block);
+    if (number == nullptr) continue;
+    const auto n = static_cast<std::size_t>(number - block.numbers.data());
+    const auto value = [&](std::size_t c) {
+      return with_unit(*block.scores[c][n].median, number->unit);
+    };
+    const auto ours = best_of_own(block, n, own);
+    table.rows.push_back(
+        {{names.brief(scene_label(block))},
+         {number->name},
+         {fmt::format("{}: {}",
+                      who(block, *number->best, [&](auto c) { return is_best(block, c, n); }),
+                      value(*number->best)),
+          Mark::best},
+         {fmt::format("{}: {}",
+                      who(block, *number->worst, [&](auto c) { return is_worst(block, c, n); }),
+                      value(*number->worst)),
+          Mark::worst},
+         {ours ? fmt::format("{}: {}", block.contenders[*ours].label(), value(*ours)) : "-"},
+         {fmt::format("{} of {}", with_value(block, n), block.contenders.size())}});
+  }
+  return table;
 }
 
 }  // namespace brickbench

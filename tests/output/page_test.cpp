@@ -12,10 +12,11 @@
 #include "reports/src/base64.hpp"
 #include "reports/src/compare.hpp"
 #include "reports/src/html_report.hpp"
+#include "reports/src/losses.hpp"
 #include "reports/src/markup.hpp"
 #include "reports/src/replay_source.hpp"
 #include "reports/src/report_source.hpp"
-#include "reports/src/summary.hpp"
+#include "reports/src/scene_names.hpp"
 
 namespace brickbench::testing {
 namespace {
@@ -171,6 +172,33 @@ TEST(Page, ShowsTheOrderOfConvergence) {
       figures, [](const Figure& figure) { return figure.x.label == "step_s"; });
   ASSERT_NE(study, figures.end());
   EXPECT_EQ(study->curves.front().note, "order 1.00");
+}
+
+TEST(Page, NamesScenesByWhatTellsThemApart) {
+  ReportSource input = source("names", "courses=10;friction=0.5", 1.0);
+  for (const std::size_t more : {2U, 3U}) {
+    input.rows.push_back(input.rows[more]);
+    input.rows.back().axes = "courses=20;friction=0.5";
+    input.rows.back().cell += "more";
+  }
+  const auto blocks = summarize(input.rows);
+  const SceneNames names(blocks);
+  EXPECT_EQ(names.brief(scene_label(blocks.front())), "wall: courses=10, step 0.002 s");
+  EXPECT_EQ(names.brief(family_label(blocks.front())), "wall: courses=10");
+  EXPECT_EQ(names.brief("another"), "another");
+  EXPECT_EQ(SceneNames(std::span(blocks).first(1)).brief(scene_label(blocks.front())), "wall");
+}
+
+// Who is ahead by rounding only is not ahead.
+TEST(Page, RoundingIsNoVictory) {
+  ReportSource input = source("rounding", "friction=0.5", 1e-12);
+  const auto blocks = summarize(input.rows);
+  EXPECT_FALSE(blocks.front().numbers.front().best.has_value());
+  const std::vector<std::string> own = {"ours"};
+  EXPECT_EQ(losses(blocks, own).rounding, 2U);
+  const std::string page = files_of(input).front().content;
+  EXPECT_NE(page.find("In 2 of them by rounding only (at most 1e-11"), std::string::npos);
+  EXPECT_EQ(page.find("The widest:"), std::string::npos);
 }
 
 TEST(Page, EveryTextIsEscaped) {

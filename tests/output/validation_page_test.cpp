@@ -103,7 +103,7 @@ TEST_F(SavedValidation, IsASectionOfThePage) {
   const std::string page = file("index.html");
   EXPECT_TRUE(has(page, "<section id=\"validation\">"));
   EXPECT_TRUE(has(page, "<section id=\"engines\">"));
-  EXPECT_TRUE(has(page, "<td>2.0e-02 / 3.0e-12</td>"));
+  EXPECT_TRUE(has(page, "<td class=\"held\">2.0e-02 / 3.0e-12</td>"));
   EXPECT_TRUE(has(page, "iterations 50; margin 0.04 m"));
   EXPECT_FALSE(has(page, "<section id=\"replay\">"));
   EXPECT_FALSE(has(page, "0 of 0 cells"));
@@ -121,6 +121,27 @@ TEST_F(SavedValidation, OrdersBecomeFiguresWithDataAxesAndPromise) {
   EXPECT_EQ(figures[1].title, "error against cost: fall");
   EXPECT_EQ(figures[1].x.text(), "engine CPU time of the run (s)");
   EXPECT_EQ(figures[1].curves[0].x, (std::vector<double>{0.001, 0.002}));
+}
+
+// A run, its validation and its orders are one page with one verdict.
+TEST_F(SavedValidation, BelongsToTheRunBesideIt) {
+  ReportSource run;
+  run.rows.emplace_back();
+  ReportSource cases = read_report_source(folder_).value();
+  ReportSource orders = cases;
+  cases.orders = nullptr;
+  orders.validation = nullptr;
+  std::vector<ReportSource> sources = {cases, orders, run, cases};
+  fold_validations(sources);
+  ASSERT_EQ(sources.size(), 2U) << "the second validation has no run left to belong to";
+  EXPECT_EQ(sources[0].rows.size(), 1U);
+  EXPECT_FALSE(sources[0].validation.is_null());
+  EXPECT_FALSE(sources[0].orders.is_null());
+  EXPECT_EQ(sources[0].attached.size(), 2U);
+  sources = {cases, orders};
+  fold_validations(sources);
+  ASSERT_EQ(sources.size(), 1U);
+  EXPECT_FALSE(sources[0].orders.is_null());
 }
 
 TEST_F(SavedValidation, DamagedFilesAreNamed) {

@@ -1,7 +1,7 @@
 // Interactive plots. Those over time share their cursor with the replay.
 import uPlot from "uplot";
 
-const height = 260;
+const height = 270;
 const followMs = 120;  // while playing, cursors move at most this often
 
 function style(name) {
@@ -31,16 +31,33 @@ function tick(value) {
 }
 
 function number(value) {
-  return value === null || value === undefined ? "–" : value.toPrecision(4);
+  if (value === null || value === undefined) return "–";
+  const size = Math.abs(value);
+  return size !== 0 && size < 1e-3 ? value.toExponential(2) : String(Number(value.toPrecision(4)));
+}
+
+// Where a logarithmic axis is ruled: at 1, 2 and 5 of each decade, at decades where there are more
+// than two of them, and at every n-th decade where they would run into each other.
+function decades(low, high) {
+  const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
+  const apart = Math.max(1, Math.ceil((last - first) / 8));
+  const steps = Math.log10(high / low) > 2 ? [1] : [1, 2, 5];
+  const out = [];
+  for (let exponent = first; exponent <= last; ++exponent) {
+    if (exponent % apart !== 0) continue;
+    for (const step of steps) out.push(Number(`${step}e${exponent}`));
+  }
+  return out.filter((value) => value >= low && value <= high);
 }
 
 // In a cost plot a curve may come back in x: it is drawn as points only.
 function options(figure, width, data) {
   const axis = (side) => ({
-    label: side.text, labelSize: 22, labelFont: "12px system-ui", font: "11px system-ui",
+    label: side.text, labelSize: 18, labelGap: 2, labelFont: "11px system-ui", font: "11px system-ui",
     stroke: style("--soft"), grid: { stroke: style("--line"), width: 1 },
-    ticks: { stroke: style("--line"), width: 1 },
-    values: (_, ticks) => ticks.map(tick), ...(side === figure.y ? { size: 62 } : {}),
+    ticks: { stroke: style("--line"), width: 1, size: 5 }, gap: 4,
+    values: (_, ticks) => ticks.map(tick), size: side === figure.y ? 54 : 26,
+    ...(side.log ? { splits: (_, __, low, high) => decades(low, high), filter: (_, ticks) => ticks } : {}),
   });
   const dash = (c) => (c.dash ? c.dash.split(" ").map(Number) : []);
   const series = [{ label: figure.x.text, value: (_, v) => number(v) }];
@@ -64,13 +81,14 @@ function options(figure, width, data) {
     const log = side.log;
     const low = Math.min(...finite);
     const high = Math.max(...finite);
+    if (low === high && !log) return { range: () => [low - 1, high + 1] };
     return log ? { distr: 3, range: () => [low / 1.6, high * 1.6] } : { distr: 1 };
   };
   return {
     width, height, series, bands,
     scales: { x: { time: false, ...scale(figure.x, data[0]) }, y: scale(figure.y, data.slice(1).flat()) },
     axes: [axis(figure.x), axis(figure.y)],
-    legend: { live: true }, cursor: { y: false, drag: { x: true, y: false } },
+    legend: { live: figure.over_time }, cursor: { y: false, drag: { x: true, y: false } },
   };
 }
 
@@ -93,6 +111,7 @@ function draw(host, figure, clock) {
   const make = () => {
     plot?.destroy();
     plot = new uPlot(options(figure, host.clientWidth, data), data, place);
+    place.classList.toggle("timeless", !figure.over_time);
     place.querySelectorAll(".u-series.band").forEach((row) => (row.style.display = "none"));
     plot.over.addEventListener("pointermove", () => {
       if (figure.over_time && !clock.playing && plot.cursor.left >= 0) {
@@ -148,5 +167,8 @@ export function drawPlots(figures, clock) {
     host.style.minHeight = `${height + 60}px`;
     watcher.observe(host);
   }
-  return () => hosts.forEach(drawOnce);
+  return () => hosts.forEach((host) => {
+    host.closest("details:not([open])")?.setAttribute("open", "");
+    drawOnce(host);
+  });
 }

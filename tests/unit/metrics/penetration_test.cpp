@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "experiments/metrics/body_depths.hpp"
 #include "experiments/metrics/deepest_overlap.hpp"
 #include "experiments/metrics/penetration_depth.hpp"
 #include "tests/support/tolerance.hpp"
@@ -161,6 +162,37 @@ TEST(DeepestOverlap, FindsWhatAllPairsShow) {
   }
   EXPECT_TRUE(worst.within(k_depth_rounding));
   EXPECT_GT(overlapping, 200);
+}
+
+// The deepest of all bodies is what the search over the world finds, and each body's depth is that
+// of some pair of its own.
+TEST(BodyDepths, AreThoseOfAllPairs) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  std::vector<Shape> shapes = {PlaneShape{}};
+  std::vector<bool> fixed = {true};
+  std::vector<State> states = {at({0, 0, -0.9})};
+  for (int i = 0; i < 40; ++i) {
+    shapes.push_back(i % 4 == 0 ? Shape{SphereShape{0.15}} : Shape{BoxShape{{0.2, 0.1, 0.15}}});
+    fixed.push_back(i % 10 == 1);
+    states.push_back(at({place(random), place(random), place(random)},
+                        turned(3.0 * place(random), {place(random), place(random), 1.0})));
+  }
+  const std::vector<double> depths_m = body_depths_m(shapes, fixed, states);
+  Worst worst;
+  std::size_t deep = 0;
+  for (std::size_t a = 0; a < shapes.size(); ++a) {
+    double deepest_m = 0.0;
+    for (std::size_t b = 0; b < shapes.size(); ++b) {
+      if (a == b || (fixed[a] && fixed[b])) continue;
+      deepest_m =
+          std::max(deepest_m, penetration_depth_m(shapes[a], states[a], shapes[b], states[b]));
+    }
+    deep += deepest_m > 1e-3 ? 1U : 0U;
+    worst.see(depths_m[a] - deepest_m, "body " + std::to_string(a));
+  }
+  EXPECT_TRUE(worst.within(k_depth_rounding));
+  EXPECT_GT(deep, 20U);
 }
 
 // A brick sinks 1 um per step into another: max, mean, 99th percentile and end are arithmetic.
