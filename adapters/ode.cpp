@@ -298,7 +298,8 @@ std::optional<Scheme> ode_scheme(const Settings& settings) {
   scheme.impulse = {.restitution_threshold_mps = value("restitution_threshold_mps"),
                     .error_reduction = value("erp"),
                     .max_correction_mps = value("max_correcting_velocity_mps"),
-                    .softness_per_kgs = value("cfm")};
+                    .softness_per_kgs = value("cfm"),
+                    .gives_up_at_zero_pivot = settings.variant == "dantzig"};
   return scheme;
 }
 

@@ -15,12 +15,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json live_settings(const Adapter& adapter, const std::string& variant,
-                   const std::vector<exact::ExactCase>& cases) {
+                   const std::vector<exact::ExactCase>& cases, const KnobValues& knobs) {
   auto settings = Json::array();
   for (const exact::ExactCase& exact_case : cases) {
     const auto run = exact::build(exact_case);
     if (!run) continue;
-    const auto built = build(adapter, run->world, exact::settings_of(adapter, variant, *run));
+    const auto built =
+        build(adapter, run->world, exact::settings_of(adapter, variant, *run, knobs));
     if (!built) continue;
     const AuditView* view = (*built)->audit_view();
     if (view == nullptr) break;
@@ -35,7 +36,7 @@ Json live_settings(const Adapter& adapter, const std::string& variant,
 }  // namespace
 
 Json audited_engines(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
-                     const std::vector<exact::ExactCase>& cases) {
+                     const std::vector<exact::ExactCase>& cases, const KnobValues& knobs) {
   auto array = Json::array();
   for (const EngineVariant& engine : engines) {
     const Adapter& adapter = *find_adapter(catalogues, engine.engine);
@@ -43,7 +44,7 @@ Json audited_engines(const std::vector<EngineVariant>& engines, const Catalogues
                      {"variant", engine.variant},
                      {"version", adapter.version},
                      {"precision", adapter.precision},
-                     {"settings", live_settings(adapter, engine.variant, cases)}});
+                     {"settings", live_settings(adapter, engine.variant, cases, knobs)}});
   }
   return array;
 }

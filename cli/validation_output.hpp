@@ -15,7 +15,8 @@ namespace brickbench {
 // the first of the cases that it takes; no settings where it takes none or shows none.
 nlohmann::ordered_json audited_engines(const std::vector<EngineVariant>& engines,
                                        const Catalogues& catalogues,
-                                       const std::vector<exact::ExactCase>& cases);
+                                       const std::vector<exact::ExactCase>& cases,
+                                       const KnobValues& knobs);
 
 // Fault::invalid if the folder exists already.
 Expected<void> can_make(const std::string& folder);

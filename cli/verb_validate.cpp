@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cli/build_facts.hpp"
+#include "cli/complain.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/validate_scenes.hpp"
@@ -24,28 +26,44 @@ struct ValidateOptions {
   std::string cases = "all";
   bool predict = false;
   bool order = false;
-  std::string symmetry;     // a scene, or all, whose images are compared; empty: none
-  std::string stable_step;  // a scene at rest; empty: none
+  std::string symmetry;            // a scene, or all, whose images are compared; empty: none
+  std::string stable_step;         // a scene at rest; empty: none
+  std::vector<std::string> knobs;  // name=value
   bool json = false;
   std::string out;                     // a new folder for `report`; empty: none
   std::vector<std::string> arguments;  // as typed
 };
 
-int complain(const std::string& message) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return k_exit_bad_input;
+// name=value, ... as typed; Fault::invalid names what is not of that form.
+Expected<KnobValues> parse_knobs(const std::vector<std::string>& texts) {
+  KnobValues knobs;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find('=');
+    double value = 0.0;
+    const char* end = text.data() + text.size();
+    const auto read = sign == std::string::npos
+                          ? std::from_chars_result{nullptr, std::errc::invalid_argument}
+                          : std::from_chars(text.data() + sign + 1, end, value);
+    if (read.ec != std::errc() || read.ptr != end) {
+      return fail(Fault::invalid, fmt::format("--knob {}: wanted is name=number", text));
+    }
+    knobs[text.substr(0, sign)] = value;
+  }
+  return knobs;
 }
 
-std::string reproduce(const exact::CellResult& cell) {
-  return fmt::format("brickbench validate --engine {}/{} --case {}", cell.engine, cell.variant,
-                     cell.case_id);
+std::string reproduce(const exact::CellResult& cell, const std::vector<std::string>& knobs) {
+  std::string line = fmt::format("brickbench validate --engine {}/{} --case {}", cell.engine,
+                                 cell.variant, cell.case_id);
+  for (const std::string& knob : knobs) line += " --knob " + knob;
+  return line;
 }
 
 // JSON knows no infinities: null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
-Json cell_json(const exact::CellResult& cell) {
+Json cell_json(const exact::CellResult& cell, const std::string& reproduce) {
   auto scores = Json::array();
   for (const exact::Score& score : cell.scores) {
     scores.push_back({{"id", score.observable},
@@ -74,7 +92,7 @@ Json cell_json(const exact::CellResult& cell) {
                          {"truth", number(cell.bracket->truth)}, {"low", number(cell.bracket->low)},
                          {"high", number(cell.bracket->high)},   {"found", cell.bracket->found}};
   }
-  json["reproduce"] = reproduce(cell);
+  json["reproduce"] = reproduce;
   return json;
 }
 
@@ -93,7 +111,7 @@ double largest(const exact::CellResult& cell, double exact::Score::*part) {
 }
 
 // Worst observable of each cell: error, explained and unexplained part, and how to see it again.
-void print_line(const exact::CellResult& cell) {
+void print_line(const exact::CellResult& cell, const std::string& reproduce) {
   double explained = std::nan("");
   for (const exact::Score& score : cell.scores) {
     if (score.explained && !std::isnan(*score.explained)) {
@@ -107,7 +125,7 @@ void print_line(const exact::CellResult& cell) {
   fmt::print("{:<30} {:<18} {:<8} {:>9} {:>9} {:>9}  {}\n", cell.case_id,
              cell.engine + '/' + cell.variant, verdict,
              cell.outcome == "ok" ? digits(largest(cell, &exact::Score::error)) : "-",
-             digits(explained), digits(cell.worst_unexplained()), reproduce(cell));
+             digits(explained), digits(cell.worst_unexplained()), reproduce);
   if (!cell.law.empty()) fmt::print("    law of impact: {}\n", cell.law);
   if (!cell.reason.empty()) fmt::print("    {}\n", cell.reason);
   if (cell.bracket && cell.bracket->found) {
@@ -123,13 +141,14 @@ void print_line(const exact::CellResult& cell) {
 
 // One row per observable: what each scheme predicts, before any engine runs.
 void print_predictions(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
-                       const std::vector<exact::ExactCase>& cases) {
+                       const std::vector<exact::ExactCase>& cases, const KnobValues& knobs) {
   fmt::print("engine,variant,case,observable,unit,truth,predicted,scale,no_prediction\n");
   for (const EngineVariant& engine : engines) {
     const Adapter& adapter = *find_adapter(catalogues, engine.engine);
     for (const exact::ExactCase& exact_case : cases) {
       const exact::ExactRun run = exact::build(exact_case).value();
-      const exact::CellResult cell = exact::predict(adapter, engine.variant, exact_case, run);
+      const exact::CellResult cell =
+          exact::predict(adapter, engine.variant, exact_case, run, knobs);
       for (const exact::Score& score : cell.scores) {
         fmt::print("{},{},{},{},{},{},{},{},{}\n", cell.engine, cell.variant, cell.case_id,
                    score.observable, score.unit, score.truth,
@@ -192,7 +211,7 @@ int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& cata
   const auto saved = save_validation(options.out, "orders.json", {{"orders", results}},
                                      "Orders of convergence and cost in exact cases",
                                      options.arguments, engines, catalogues);
-  return saved ? k_exit_fine : complain_of(saved.error());
+  return saved ? k_exit_fine : complain(saved.error());
 }
 
 int validate(const ValidateOptions& options) {
@@ -203,19 +222,33 @@ int validate(const ValidateOptions& options) {
       const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
       for (const EngineVariant& engine : select(selector, catalogues)) engines.push_back(engine);
     } catch (const InputError& error) {
-      return complain(error.text());
+      return complain(error.text(), k_exit_bad_input);
     }
+  }
+  const auto knobs = parse_knobs(options.knobs);
+  if (!knobs) return complain(knobs.error());
+  for (const EngineVariant& engine : engines) {
+    const Settings settings{.variant = engine.variant, .knobs = *knobs};
+    const auto known = brickbench::validate(*find_adapter(catalogues, engine.engine), settings);
+    if (!known) return complain(known.error());
   }
   const auto cases = exact::select_cases(exact::exact_cases(), options.cases);
   if (cases.empty()) {
-    return complain(fmt::format("no case '{}': all, family.* or one of `brickbench list cases`",
-                                options.cases));
+    return complain(
+        fmt::format("no case '{}': all, family.* or one of `brickbench list cases`", options.cases),
+        k_exit_bad_input);
+  }
+  const bool table = options.symmetry.empty() && options.stable_step.empty() && !options.order;
+  if (!table && !knobs->empty()) {
+    return complain("--knob goes with the table of cases and with --predict only",
+                    k_exit_bad_input);
   }
   if (!options.out.empty()) {
     if (!options.symmetry.empty() || !options.stable_step.empty() || options.predict) {
-      return complain("--out saves the table of cases, or with --order their orders, only");
+      return complain("--out saves the table of cases, or with --order their orders, only",
+                      k_exit_bad_input);
     }
-    if (const auto free = can_make(options.out); !free) return complain_of(free.error());
+    if (const auto free = can_make(options.out); !free) return complain(free.error());
   }
   if (!options.symmetry.empty()) {
     return compare_symmetries(engines, catalogues, options.symmetry, options.json);
@@ -225,7 +258,7 @@ int validate(const ValidateOptions& options) {
   }
   if (options.order) return fit_orders(engines, catalogues, cases, options);
   if (options.predict) {
-    print_predictions(engines, catalogues, cases);
+    print_predictions(engines, catalogues, cases, *knobs);
     return k_exit_fine;
   }
   auto cells = Json::array();
@@ -238,15 +271,16 @@ int validate(const ValidateOptions& options) {
   for (const exact::ExactCase& exact_case : cases) {
     for (const EngineVariant& engine : engines) {
       progress.begin(exact_case.id + ' ' + engine.label());
-      const exact::CellResult cell =
-          exact::validate(*find_adapter(catalogues, engine.engine), engine.variant, exact_case);
+      const exact::CellResult cell = exact::validate(*find_adapter(catalogues, engine.engine),
+                                                     engine.variant, exact_case, {}, *knobs);
       progress.end(fmt::format("{} {}: {}", exact_case.id, engine.label(), cell.outcome));
       failed += cell.failed();
       const bool predicted = cell.outcome == "ok" && cell.worst_unexplained().has_value();
       held += predicted && !cell.failed();
       open += cell.outcome == "ok" && !predicted;
-      cells.push_back(cell_json(cell));
-      if (!options.json) print_line(cell);
+      const std::string again = reproduce(cell, options.knobs);
+      cells.push_back(cell_json(cell, again));
+      if (!options.json) print_line(cell, again);
     }
   }
   const std::size_t count = engines.size() * cases.size();
@@ -262,11 +296,11 @@ int validate(const ValidateOptions& options) {
         held, count, failed, open, count - held - failed - open);
   }
   if (options.out.empty()) return exit_code;
-  json["engines"] = audited_engines(engines, catalogues, cases);
+  json["engines"] = audited_engines(engines, catalogues, cases, *knobs);
   const auto saved =
       save_validation(options.out, "validation.json", json, "Exact cases in all engines asked for",
                       options.arguments, engines, catalogues);
-  return saved ? exit_code : complain_of(saved.error());
+  return saved ? exit_code : complain(saved.error());
 }
 
 }  // namespace
@@ -287,6 +321,10 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
                    "Compare a scene, or all, with its mirrored, turned, shifted and scaled images");
   verb->add_option("--stable-step", options->stable_step,
                    "Find the largest step that keeps a scene at rest standing for 2 s");
+  verb->add_option("--knob", options->knobs,
+                   "name=number of every engine asked for; may be repeated")
+      ->expected(1)
+      ->take_all();
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->add_option("--out", options->out,
                    "New folder for the table, or with --order the orders; `report` reads it");

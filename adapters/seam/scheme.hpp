@@ -56,6 +56,9 @@ struct ImpulseContact {
   double split_turn_share = 0.0;  // of the turn that belongs to that correction
   double softness_per_kgs =
       0.0;  // "constraint force mixing": adds softness / h to 1/mass per point
+  // Dantzig's algorithm row by row that gives up at a pivot of length zero; else all contacts of a
+  // step meet their targets at once, whatever their order.
+  bool gives_up_at_zero_pivot = false;
 };
 
 // Contact as a regularised constraint on the acceleration (Todorov 2014): along the normal,

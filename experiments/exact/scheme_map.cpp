@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "experiments/exact/pivoting.hpp"
 #include "experiments/exact/soft_map.hpp"
 
 namespace brickbench::exact {
@@ -151,6 +152,39 @@ void solve_normals(const Scheme& scheme, double h, std::vector<Row>& rows,
   }
 }
 
+// The same rows by pivoting in the order of their island.
+void pivot_normals(const Scheme& scheme, const World& world, double h,
+                   const std::vector<PointContact>& contacts, std::vector<Row>& rows,
+                   std::span<State> states) {
+  std::vector<Row*> ordered;
+  for (const std::size_t c : island_order(world, contacts)) {
+    for (Row& row : rows) {
+      if (row.contact == &contacts[c]) ordered.push_back(&row);
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(ordered.size());
+  Eigen::MatrixXd response(n, n);
+  Eigen::VectorXd lacking(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Row& pushed = *ordered[static_cast<std::size_t>(j)];
+    lacking[j] = pushed.target_mps - pushed.contact->normal.dot(slip_velocity(pushed, states));
+    std::vector<State> unit(states.begin(), states.end());
+    for (State& s : unit) s.velocity_mps = s.angular_velocity_radps = Vector3d::Zero();
+    push_pair(pushed, pushed.contact->normal, unit);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Row& felt = *ordered[static_cast<std::size_t>(i)];
+      response(i, j) = felt.contact->normal.dot(slip_velocity(felt, unit));
+    }
+    response(j, j) += scheme.impulse->softness_per_kgs / (h * pushed.contact->points);
+  }
+  const Eigen::VectorXd impulses = pivot_in_order(response, lacking);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    Row& row = *ordered[static_cast<std::size_t>(j)];
+    row.impulse_ns = impulses[j];
+    push_pair(row, impulses[j] * row.contact->normal, states);
+  }
+}
+
 void solve_friction(const Scheme& scheme, const ContactLaw& law, double h, const Row& row,
                     std::span<State> states) {
   const Vector3d& n = row.contact->normal;
@@ -208,7 +242,11 @@ bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const 
     why = "several contacts with friction act in one step";
     return false;
   }
-  solve_normals(scheme, h, rows, states);
+  if (scheme.impulse->gives_up_at_zero_pivot) {
+    pivot_normals(scheme, run.world, h, contacts, rows, states);
+  } else {
+    solve_normals(scheme, h, rows, states);
+  }
   if (rows.size() == 1 && has_friction(rows[0])) {
     const ContactLaw law = contact_law(run.world, rows[0].contact->body_a, rows[0].contact->body_b);
     solve_friction(scheme, law, h, rows[0], states);

@@ -86,7 +86,8 @@ Score make_score(const Observable& observable, const Truth& truth) {
 
 // Halves the bracket until it is k_threshold_width of the critical value wide.
 Expected<Bracket> bisect(const Adapter& adapter, const std::string& variant,
-                         const ExactCase& exact_case, const ParameterValues& given) {
+                         const ExactCase& exact_case, const ParameterValues& given,
+                         const KnobValues& knobs) {
   const Threshold& threshold = *exact_case.threshold;
   const ParameterValues values = complete(exact_case, given).value();
   Bracket bracket;
@@ -102,7 +103,7 @@ Expected<Bracket> bisect(const Adapter& adapter, const std::string& variant,
     at[threshold.parameter] = value;
     const auto run = build(exact_case, at);
     if (!run) return tl::unexpected(run.error());
-    const auto measured = measure(adapter, variant, exact_case, *run);
+    const auto measured = measure(adapter, variant, exact_case, *run, knobs);
     if (!measured) return tl::unexpected(measured.error());
     return threshold.happened(*measured) == threshold.above;
   };
@@ -137,16 +138,18 @@ std::optional<double> CellResult::worst_unexplained() const {
   return worst;
 }
 
-Settings settings_of(const Adapter& adapter, const std::string& variant, const ExactRun& run) {
+Settings settings_of(const Adapter& adapter, const std::string& variant, const ExactRun& run,
+                     const KnobValues& knobs) {
   Settings settings;
+  settings.knobs = knobs;
   settings.step_s = run.step_s;
   settings.variant = variant.empty() ? adapter.variants.front().name : variant;
   return settings;
 }
 
 CellResult predict(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
-                   const ExactRun& run) {
-  const Settings settings = settings_of(adapter, variant, run);
+                   const ExactRun& run, const KnobValues& knobs) {
+  const Settings settings = settings_of(adapter, variant, run, knobs);
   CellResult cell;
   cell.engine = adapter.name;
   cell.variant = settings.variant;
@@ -172,8 +175,9 @@ CellResult predict(const Adapter& adapter, const std::string& variant, const Exa
 }
 
 Expected<std::vector<double>> measure(const Adapter& adapter, const std::string& variant,
-                                      const ExactCase& exact_case, const ExactRun& run) {
-  const Settings settings = settings_of(adapter, variant, run);
+                                      const ExactCase& exact_case, const ExactRun& run,
+                                      const KnobValues& knobs) {
+  const Settings settings = settings_of(adapter, variant, run, knobs);
   auto built = brickbench::build(adapter, run.world, settings);
   if (!built) return tl::unexpected(built.error());
   if (auto ok = check_audit(adapter, settings, run.world, **built); !ok) {
@@ -187,7 +191,7 @@ Expected<std::vector<double>> measure(const Adapter& adapter, const std::string&
 }
 
 CellResult validate(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
-                    const ParameterValues& given) {
+                    const ParameterValues& given, const KnobValues& knobs) {
   CellResult cell;
   const auto note = [&](const Failure& failure) {
     cell.outcome = failure.fault == Fault::invalid ? "audit" : to_outcome(failure.fault);
@@ -198,8 +202,8 @@ CellResult validate(const Adapter& adapter, const std::string& variant, const Ex
     note(run.error());
     return cell;
   }
-  cell = predict(adapter, variant, exact_case, *run);
-  const auto measured = measure(adapter, variant, exact_case, *run);
+  cell = predict(adapter, variant, exact_case, *run, knobs);
+  const auto measured = measure(adapter, variant, exact_case, *run, knobs);
   if (!measured) {
     note(measured.error());
     return cell;
@@ -214,7 +218,7 @@ CellResult validate(const Adapter& adapter, const std::string& variant, const Ex
   }
   if (exact_case.classify != nullptr) cell.law = exact_case.classify(*measured, *run);
   if (exact_case.threshold) {
-    const auto bracket = bisect(adapter, variant, exact_case, given);
+    const auto bracket = bisect(adapter, variant, exact_case, given, knobs);
     if (!bracket) {
       note(bracket.error());
       return cell;

@@ -63,21 +63,23 @@ struct CellResult {
 };
 
 // Settings with the variant filled in.
-Settings settings_of(const Adapter& adapter, const std::string& variant, const ExactRun& run);
+Settings settings_of(const Adapter& adapter, const std::string& variant, const ExactRun& run,
+                     const KnobValues& knobs = {});
 
 // What the scheme of this engine predicts for a run of the case: truths and predictions, no
 // measurement. Builds and runs no engine.
 CellResult predict(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
-                   const ExactRun& run);
+                   const ExactRun& run, const KnobValues& knobs = {});
 
 // Builds, audits, runs, measures; bisects where the case has a threshold.
 CellResult validate(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
-                    const ParameterValues& given = {});
+                    const ParameterValues& given = {}, const KnobValues& knobs = {});
 
 // The observables of one run in one engine, after the audit: Fault::invalid names the facts that
 // did not arrive.
 Expected<std::vector<double>> measure(const Adapter& adapter, const std::string& variant,
-                                      const ExactCase& exact_case, const ExactRun& run);
+                                      const ExactCase& exact_case, const ExactRun& run,
+                                      const KnobValues& knobs = {});
 
 // "all", "family.*", or an id; empty if nothing fits.
 std::vector<ExactCase> select_cases(const std::vector<ExactCase>& cases,

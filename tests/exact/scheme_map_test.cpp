@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <random>
 
 #include "experiments/exact/builders.hpp"
+#include "experiments/exact/pivoting.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 
@@ -24,6 +26,8 @@ constexpr Tolerance k_implicit = {"residual of implicit updates", 4e-15, 2.7e-16
                                   "one linear solve"};
 constexpr Tolerance k_newton = {"Newton's step against the converged implicit update", 0.02, 2.1e-3,
                                 "quadratic convergence, in units of the squared turn per step"};
+constexpr Tolerance k_pivots = {"complementarity by pivoting", 4e-14, 2.2e-15,
+                                "linear solves of at most seven rows"};
 
 Scheme scheme(PositionRule position) {
   Scheme s;
@@ -306,6 +310,47 @@ TEST(SchemeMap, SaysWhyItClaimsNothing) {
   EXPECT_FALSE(reason("impact.corner", compliant).empty());
   EXPECT_FALSE(reason("statics.tower", impulse_scheme()).empty());
   EXPECT_FALSE(reason("impact.ball_apexes", Scheme{}).empty());
+}
+
+TEST(Pivoting, SolvesRandomComplementarityProblems) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  Worst worst;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::Index n = 1 + trial % 7;
+    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(random); });
+    const Eigen::MatrixXd a = root * root.transpose() + Eigen::MatrixXd::Identity(n, n);
+    const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); });
+    const Eigen::VectorXd x = pivot_in_order(a, b);
+    worst.see(x.cwiseMin(a * x - b).norm(), "trial " + std::to_string(trial));
+  }
+  EXPECT_TRUE(worst.within(k_pivots));
+}
+
+// A resting contact that comes first blocks the drive of the struck one: nothing pushes. The other
+// way round the middle ball's contact is struck first, and both share the blow.
+TEST(Pivoting, GivesUpWhereARestingRowComesFirst) {
+  Eigen::Matrix2d a;
+  a << 2.0, -1.0, -1.0, 2.0;
+  EXPECT_EQ(pivot_in_order(a, Eigen::Vector2d(0.0, 2.0)).norm(), 0.0);
+  const Eigen::VectorXd shared = pivot_in_order(a, Eigen::Vector2d(2.0, 0.0));
+  EXPECT_NEAR(shared[0], 4.0 / 3.0, k_pivots.value);
+  EXPECT_NEAR(shared[1], 2.0 / 3.0, k_pivots.value);
+}
+
+TEST(Pivoting, WalksAnIslandFromTheLastBody) {
+  World world;
+  world.bodies = {ground_plane()};
+  for (int i = 0; i < 4; ++i) world.bodies.push_back(ball("ball", 0.1, 1.0, at({0, 0, 1.0 * i})));
+  const auto contact = [](std::size_t a, std::size_t b) {
+    PointContact c;
+    c.body_a = a;
+    c.body_b = b;
+    return c;
+  };
+  // 1 stands on the ground and carries 4; 2 carries 3.
+  const std::vector<PointContact> contacts = {contact(0, 1), contact(2, 3), contact(1, 4)};
+  EXPECT_EQ(island_order(world, contacts), (std::vector<std::size_t>{2, 0, 1}));
 }
 
 }  // namespace
