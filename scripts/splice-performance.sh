@@ -1,59 +1,75 @@
 #!/usr/bin/env bash
-# splice-performance.sh: puts the recorded timings of reports/published/performance/*.json between
-# the markers of docs/performance.md, one table per marker. Nothing is retyped. Needs jq.
+# splice-performance.sh: puts the recorded measurements of reports/published/performance/*.json
+# between the markers of docs/performance.md. Nothing is retyped. Needs python3.
 #
-# Record them first, each on a machine as quiet as can be had:
-#   build/cli/brickbench bench --plan experiments/plans/performance.toml --json \
-#     | scripts/splice-performance.sh --record performance
-# Several runs (--only EXPERIMENT each) may follow each other on standard input.
+# splice-performance.sh --measure [BUILD_DIR [PART...]]: measures first, all parts or those named: contact,
+# engine, kapla, performance, standing_walls. BUILD_DIR: default build/release; what is missing there is
+# built. About ten minutes on an idle machine of two cores; on a busy one the numbers are those of a busy one,
+# and the load stands with them.
+#
+# PERFORMANCE_TRY=1: everything much shorter, into a folder of its own and a copy of the page, to see
+# that it works.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-page=docs/performance.md
+source scripts/splice.sh
+
 folder=reports/published/performance
-
-die() { echo "splice-performance: $*" >&2; exit 2; }
-command -v jq >/dev/null || die "needs jq (Debian package jq)"
-
-if [ "${1:-}" = --record ]; then
-  name=${2:?usage: splice-performance.sh --record NAME <bench.json}
-  mkdir -p "$folder"
-  # Folders of whoever ran it are nobody's business.
-  jq -s '.[0] + {entries: map(.entries) | add} | .provenance.plan |= (split("/") | last)
-         | .provenance.command |= (sub("^[^ ]+"; "brickbench") | gsub(" [/.][^ ]*/"; " "))' >"$folder/$name.json.new" ||
-    die "standard input is not the output of brickbench bench --json"
-  mv "$folder/$name.json.new" "$folder/$name.json"
-  echo "splice-performance: recorded $folder/$name.json"
-  exit 0
+page=docs/performance.md
+try=()
+repetitions=3
+if [ -n "${PERFORMANCE_TRY:-}" ]; then
+  folder=$(mktemp -d "${TMPDIR:-/tmp}/performance-try.XXXXXX")
+  cp $page "$folder/performance.md"
+  page=$folder/performance.md
+  try=(--repeat 1 --set duration_s=0.1)
+  repetitions=1
 fi
 
-# Numbers with three digits, times in ms.
-program='
-  def digits: if . == null then "-" elif . == 0 then "0"
-    else pow(10; 2 - (fabs | log10 | floor)) as $scale | (. * $scale | round) / $scale | tostring end;
-  def value($name): .accuracy[$name] | digits;
-  def knobs: if (.knobs | length) == 0 then "" else
-    " (" + ([.knobs | to_entries[] | "\(.key) \(.value)"] | join(", ")) + ")" end;
-  def spread: if . == null then "-" else
-    "\(.median | digits) (\(.least | digits)..\(.most | digits))" end;
-  def milliseconds: if . == null then "-" else .median * 1000 | digits end;
-  "| experiment | engine | ms per step | over \(.base) | moved furthest, m | deepest overlap, m | overlap at the end, m | rms speed at the end, m/s | bricks moved | rounds | outcome |",
-  "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|",
-  (.entries[] | "| \(.experiment) | `\(.engine)`\(knobs)\(if .is_base then ", base" else "" end) | \(.step_cpu_s | milliseconds) | \(.ratio_to_base | spread) | \(value("brick_displacement_max_m")) | \(value("penetration_max_m")) | \(value("penetration_final_m")) | \(value("brick_speed_rms_mps")) | \(value("bricks_displaced")) | \(.rounds) | \(.outcome)\(if .repeatable then "" else ", not repeatable" end) |"),
-  "",
-  "Medians over the rounds, CPU time of the stepping thread; (least..most) of the ratios. \(.provenance.machine | "\(.cpu), \(.cores) cores, revision \(.revision | .[0:12])"), \(.provenance.date_utc)."'
+# The parts; each prints JSON.
+benchmark() {
+  echo "$build/ourengine_$1_benchmark" "--benchmark_filter=$2" --benchmark_format=json \
+    --benchmark_repetitions=$repetitions --benchmark_enable_random_interleaving=true
+}
+bench() {
+  echo "$program" bench --plan "experiments/plans/$1.toml" --json --out "$results/$1-${*: -1}" "${@:2}" "${try[@]}"
+}
+our_walls() { # the largest is left to the soft steps: the others need many minutes for it
+  echo "$(bench standing_walls --engine ourengine/fast --engine ourengine/exact --only "$1") --and"
+}
+command_of() {
+  case $1 in
+    contact) benchmark contact '^(frictionless.*seed1|friction_at_rest|slipping_impact.*to[36]digits)/' ;;
+    engine) benchmark engine '^(torque_free|separate|fast_step)' ;;
+    kapla) bench kapla --only sixty_thousand_steps ;;
+    performance) bench performance ;;
+    standing_walls)
+      echo "$(our_walls standing_10) $(our_walls standing_20) $(our_walls standing_30)" \
+        "$(bench standing_walls --engine ourengine/fast --only standing_50)"
+      ;;
+    *) die "no part $1: contact, engine, kapla, performance, standing_walls" ;;
+  esac
+}
 
-for record in "$folder"/*.json; do
-  name=$(basename "$record" .json)
-  for marker in BEGIN END; do
-    [ "$(grep -c "^<!-- $marker $name " "$page")" -eq 1 ] ||
-      die "$page must have one line '<!-- $marker $name -->'"
+if [ "${1:-}" = --measure ]; then
+  build=${2:-build/release}
+  parts=("${@:3}")
+  if [ ${#parts[@]} -eq 0 ]; then parts=(contact engine kapla performance standing_walls); fi
+  load=$(cut -d' ' -f1 /proc/loadavg) # before there is any load of our own
+  program=$build/brickbench
+  cmake --build "$build" --target brickbench benchmarks >&2
+  results=$(mktemp -d "${TMPDIR:-/tmp}/performance-results.XXXXXX")
+  trap 'rm -rf "$results"' EXIT
+  mkdir -p "$folder"
+  for part in "${parts[@]}"; do
+    command_of "$part" >/dev/null
   done
-  table=$(jq -r "$program" "$record") || die "$record is not the output of brickbench bench --json"
-  new=$(mktemp "$page.XXXXXX")
-  TABLE=$table NAME=$name awk '
-    $0 ~ "^<!-- BEGIN " ENVIRON["NAME"] " " { print; print ""; print ENVIRON["TABLE"]; print ""; skip = 1; next }
-    $0 ~ "^<!-- END " ENVIRON["NAME"] " " { skip = 0 }
-    !skip' "$page" >"$new"
-  mv "$new" "$page"
-  echo "splice-performance: $page has the numbers of $record"
-done
+  for part in "${parts[@]}"; do
+    echo "== $part ($SECONDS s)" >&2
+    read -ra words < <(command_of "$part")
+    python3 scripts/performance_page.py measure "$folder/$part.json" "$load" "$program" "${words[@]}" >&2
+  done
+  echo "== all measured ($SECONDS s)" >&2
+elif [ $# -ne 0 ]; then
+  die "usage: scripts/splice-performance.sh [--measure [BUILD_DIR [PART...]]]"
+fi
+python3 scripts/performance_page.py splice "$folder" "$page"
