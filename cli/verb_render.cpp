@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/browser.hpp"
+#include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
@@ -24,6 +25,9 @@ struct RenderOptions {
   std::string out;
   std::vector<std::string> views = {"three-quarter"};
   std::vector<std::string> engines;
+  std::vector<std::string> scenes;
+  std::string colour = "material";
+  bool contacts = false;
   std::string video;
   double time_s = -1.0;  // negative: half of the recorded time
   double speed = 0.25;
@@ -51,6 +55,16 @@ Expected<std::string> image_bytes(const nlohmann::json& url) {
   return std::string(bytes->begin(), bytes->end());
 }
 
+// Longer names keep their beginning and get the scene's number: file systems take 255 bytes, and
+// the view and the kind come after it.
+constexpr std::size_t k_longest_name = 120;
+
+std::string file_name(const std::string& scene, std::size_t index) {
+  const std::string id = file_id(scene);
+  if (id.size() <= k_longest_name) return id;
+  return fmt::format("{}-{}", id.substr(0, k_longest_name), index);
+}
+
 class Renderer {
  public:
   Renderer(Browser& browser, const RenderOptions& options, std::string ffmpeg, fs::path folder)
@@ -63,10 +77,20 @@ class Renderer {
   Expected<std::vector<OutputFile>> all() {
     auto scenes = browser_.evaluate("brickbench.data.scenes.map((s) => s.name)");
     if (!scenes) return tl::unexpected(scenes.error());
-    Progress progress(scenes->size() * options_.views.size());
-    std::vector<OutputFile> files;
+    std::vector<std::size_t> wanted;
+    std::string known;
     for (std::size_t scene = 0; scene < scenes->size(); ++scene) {
-      const std::string name = file_id((*scenes)[scene].get<std::string>());
+      const std::string name = (*scenes)[scene].get<std::string>();
+      known += (known.empty() ? "" : ", ") + name;
+      if (options_.scenes.empty() || std::ranges::count(options_.scenes, name) > 0) {
+        wanted.push_back(scene);
+      }
+    }
+    if (wanted.empty()) return fail(Fault::invalid, "no such scene; here are: " + known);
+    Progress progress(wanted.size() * options_.views.size());
+    std::vector<OutputFile> files;
+    for (const std::size_t scene : wanted) {
+      const std::string name = file_name((*scenes)[scene].get<std::string>(), scene);
       for (const std::string& view : options_.views) {
         progress.begin(name + ' ' + view);
         if (auto ok = one(scene, name + '-' + view, view, progress, files); !ok) {
@@ -81,11 +105,14 @@ class Renderer {
  private:
   Expected<void> one(std::size_t scene, const std::string& name, const std::string& view,
                      Progress& progress, std::vector<OutputFile>& files) {
-    const nlohmann::json arrangement = {
-        {"view", view}, {"width", options_.width_px}, {"engines", options_.engines}};
+    const nlohmann::json arrangement = {{"view", view},
+                                        {"width", options_.width_px},
+                                        {"engines", options_.engines},
+                                        {"colour", options_.colour},
+                                        {"contacts", options_.contacts}};
     const auto end = browser_.evaluate(fmt::format(
         "brickbench.ready.then(async (r) => {{ if (!r) throw new Error('no WebGL');"
-        " await r.load({}); brickbench.arrange(r.stage, {}); return brickbench.clock.end; }})",
+        " await r.load({}); brickbench.arrange(r, {}); return brickbench.clock.end; }})",
         scene, arrangement.dump()));
     if (!end) return tl::unexpected(end.error());
     const double end_s = end->get<double>();
@@ -99,8 +126,8 @@ class Renderer {
 
   Expected<std::string> frame(double time_s, const char* type) {
     auto url = browser_.evaluate(fmt::format(
-        "brickbench.ready.then((r) => brickbench.picture(r.stage, brickbench.clock, {}, '{}'))",
-        time_s, type));
+        "brickbench.ready.then((r) => brickbench.picture(r, brickbench.clock, {}, '{}'))", time_s,
+        type));
     if (!url) return tl::unexpected(url.error());
     return image_bytes(*url);
   }
@@ -165,17 +192,19 @@ Expected<std::pair<std::string, std::string>> find_tools(const RenderOptions& op
 Expected<std::vector<OutputFile>> draw(const RenderOptions& options) {
   const auto tools = find_tools(options);
   if (!tools) return tl::unexpected(tools.error());
-  const auto sources = read_sources({options.folder});
+  auto sources = read_sources({options.folder});
   if (!sources) return tl::unexpected(sources.error());
   if (sources->front().replays.empty()) {
     return fail(Fault::invalid, fmt::format("'{}' holds no trajectories to draw; run the plan with "
                                             "trajectories recorded",
                                             options.folder));
   }
+  constexpr std::size_t frames = 600;
+  if (options.colour == "penetration") add_replay_depths(*sources, frames);
   std::string pattern = (fs::temp_directory_path() / "brickbench-XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) return fail(Fault::crashed, "no temporary folder");
   const Workshop workshop{pattern};
-  const auto files = report_files(*sources, page_assets(), {.replay_frames = 600});
+  const auto files = report_files(*sources, page_assets(), {.replay_frames = frames});
   const fs::path page_file = workshop.folder / "index.html";
   if (auto ok = write_new_file(page_file, files.front().content); !ok) {
     return tl::unexpected(ok.error());
@@ -221,6 +250,13 @@ void add_render_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("--engine", options->engines, "engine/variant to show; default all")
       ->expected(1)
       ->take_all();
+  verb->add_option("--scene", options->scenes, "Scene to show, as the page names it; default all")
+      ->expected(1)
+      ->take_all();
+  verb->add_option("--colour", options->colour,
+                   "Of the bricks: material, displacement, speed, penetration")
+      ->check(CLI::IsMember({"material", "displacement", "speed", "penetration"}));
+  verb->add_flag("--contacts", options->contacts, "Draw the recorded contact points");
   verb->add_option("--video", options->video, "Also a video of each view")
       ->check(CLI::IsMember({"mp4"}));
   verb->add_option("--time", options->time_s, "Time of the still, s; default half the run")

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "reports/src/replay_source.hpp"
+#include "reports/src/scene_names.hpp"
 #include "reports/src/summary.hpp"
 
 namespace brickbench {
@@ -92,11 +93,12 @@ Key key_of(const std::string& experiment, const std::string& engine, const std::
 std::map<Key, Values> numbers_of(const ReportSource& source,
                                  const std::map<std::string, std::string>& turned) {
   std::map<Key, Values> numbers;
+  const SceneNames names(summarize(source.rows));
   for (const Row& row : source.rows) {
     Key key = key_of(row.experiment, row.engine, row.variant, row.step_s, row.axes, turned);
     key.push_back(row.metric);
     Values& values = numbers[key];
-    values.scene = scene_of(row);
+    values.scene = names.brief(scene_of(row));
     values.engine = contender_of(row);
     values.unit = row.unit;
     values.better = row.better;

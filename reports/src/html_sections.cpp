@@ -77,10 +77,11 @@ std::string text_table(const Table& table, const Palette& palette) {
     before = row[0].text;
     out += again ? "<tr>" : "<tr class=\"first\">";
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::string text = i == 0 && again ? "" : breakable(row[i].text);
+      const std::string text = breakable(row[i].text);
       const std::string label = row[i].text.substr(0, row[i].text.find(": "));
       const std::string colour = swatch(label.substr(0, label.find(" and ")), palette);
-      out += i == 0 ? fmt::format("<th scope=\"row\">{}{}</th>", again ? "" : colour, text)
+      out += i == 0 ? fmt::format("<th scope=\"row\"><span{}>{}{}</span></th>",
+                                  again ? " class=\"again\"" : "", colour, text)
                     : fmt::format("<td{} data-label=\"{}\">{}{}</td>", class_of(row[i]),
                                   escape_markup(table.header[i]), colour, text);
     }
@@ -109,8 +110,13 @@ std::string matrix_table(const Table& table, const Palette& palette) {
   for (const auto& row : table.rows) {
     out += fmt::format("<tr><th scope=\"row\">{}</th>", escape_markup(row[0].text));
     for (std::size_t i = 1; i < row.size(); ++i) {
-      out += fmt::format("<td class=\"{}\">{}</td>", verdict_class(row[i]),
-                         escape_markup(row[i].text));
+      std::string text = escape_markup(row[i].text);
+      if (const std::size_t at = text.find(" / "); at != std::string::npos) {
+        text.insert(at + 2, "<br>");
+      } else if (text.starts_with("open, error ")) {
+        text.replace(4, 8, "<br>");
+      }
+      out += fmt::format("<td class=\"{}\">{}</td>", verdict_class(row[i]), text);
     }
     out += "</tr>\n";
   }

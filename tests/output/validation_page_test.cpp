@@ -103,7 +103,7 @@ TEST_F(SavedValidation, IsASectionOfThePage) {
   const std::string page = file("index.html");
   EXPECT_TRUE(has(page, "<section id=\"validation\">"));
   EXPECT_TRUE(has(page, "<section id=\"engines\">"));
-  EXPECT_TRUE(has(page, "<td class=\"held\">2.0e-02 / 3.0e-12</td>"));
+  EXPECT_TRUE(has(page, "<td class=\"held\">2.0e-02 /<br> 3.0e-12</td>"));
   EXPECT_TRUE(has(page, "iterations 50; margin 0.04 m"));
   EXPECT_FALSE(has(page, "<section id=\"replay\">"));
   EXPECT_FALSE(has(page, "0 of 0 cells"));

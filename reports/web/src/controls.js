@@ -127,6 +127,7 @@ export class Controls {
     }
     values.sort((a, b) => a - b);
     const limit = values[Math.floor(0.98 * (values.length - 1))] || 1;
+    this.limit = limit;
     this.stage.setMode(mode, limit);
     this.legend.replaceChildren();
     if (mode === "material") return;

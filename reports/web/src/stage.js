@@ -90,7 +90,7 @@ export class Stage {
     this.projectile = scene.bodies.findIndex((body) => body.role === "projectile");
     this.box = this.extent();
     this.furnish();
-    this.show(scene.views.map((_, i) => i).slice(0, 4));
+    this.show(scene.views.map((_, i) => i).slice(0, this.host.clientWidth < 560 ? 2 : 4));
     this.preset("three-quarter");
   }
 
