@@ -8,9 +8,9 @@ namespace {
 
 // A box that spans more cells than this along an axis is compared with everything instead.
 constexpr double k_cells_per_body = 4.0;
-// Looking up one body costs about as much as 1/16 of a rebuild per 16 bodies: above this share of
-// escaped bodies the rebuild is cheaper.
-constexpr std::size_t k_rebuild_share = 16;
+// A rebuild costs as much per body as some 100 comparisons of two boxes, whatever the number of
+// bodies: up to so many escaped bodies it is cheaper to compare each of them with everything.
+constexpr std::size_t k_few_escaped = 64;
 
 struct Entry {
   std::uint64_t cell;
@@ -67,7 +67,7 @@ void BroadPhase::update(std::span<const Aabb> boxes) {
     escaped.push_back(static_cast<int>(i));
   }
   if (escaped.empty()) return;
-  if (escaped.size() * k_rebuild_share > boxes.size() + k_rebuild_share) {
+  if (escaped.size() > k_few_escaped) {
     rebuild();
   } else {
     replace(escaped);
@@ -81,13 +81,15 @@ void BroadPhase::replace(std::span<const int> escaped) {
     return moved[static_cast<std::size_t>(pair.first)] ||
            moved[static_cast<std::size_t>(pair.second)];
   });
+  const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
   for (const int i : escaped) {
     for (int j = 0; j < static_cast<int>(fat_.size()); ++j) {
       if (j == i || (moved[static_cast<std::size_t>(j)] && j < i)) continue;
       if (is_pair(i, j)) pairs_.push_back({std::min(i, j), std::max(i, j)});
     }
   }
-  std::ranges::sort(pairs_);
+  std::sort(pairs_.begin() + kept, pairs_.end());
+  std::inplace_merge(pairs_.begin(), pairs_.begin() + kept, pairs_.end());
 }
 
 void BroadPhase::rebuild() {

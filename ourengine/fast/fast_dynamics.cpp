@@ -225,26 +225,31 @@ void FastDynamics::run_substeps() {
 }
 
 void FastDynamics::move_bodies() {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (bodies_[i].fixed) continue;
-    Motion& motion = motions_[i];
-    if (touched_[i] != 0) {
-      motion.position_m += linear_part(moved_[i]);
-      motion.velocity_mps = linear_part(velocity_[i]);
-      const Eigen::Matrix3d& r = poses_[i].axes;
-      motion.angular_momentum_kgm2ps =
-          r * bodies_[i].inertia_kgm2.cwiseProduct(r.transpose() * angular_part(velocity_[i]));
-      motion.attitude = turned(motion.attitude, angular_part(moved_[i]));
-      continue;
+  pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!bodies_[i].fixed) move_body(i);
     }
-    const Eigen::Vector3d change =
-        options_.step_s * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg);
-    motion.position_m += options_.step_s * (motion.velocity_mps + 0.5 * change);
-    motion.velocity_mps += change;
-    motion.angular_momentum_kgm2ps += options_.step_s * loads_[i].torque_nm;
-    motion.attitude = rotate_moser_veselov(motion.attitude, bodies_[i].inertia_kgm2,
-                                           motion.angular_momentum_kgm2ps, options_.step_s);
+  });
+}
+
+void FastDynamics::move_body(std::size_t i) {
+  Motion& motion = motions_[i];
+  if (touched_[i] != 0) {
+    motion.position_m += linear_part(moved_[i]);
+    motion.velocity_mps = linear_part(velocity_[i]);
+    const Eigen::Matrix3d& r = poses_[i].axes;
+    motion.angular_momentum_kgm2ps =
+        r * bodies_[i].inertia_kgm2.cwiseProduct(r.transpose() * angular_part(velocity_[i]));
+    motion.attitude = turned(motion.attitude, angular_part(moved_[i]));
+    return;
   }
+  const Eigen::Vector3d change =
+      options_.step_s * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg);
+  motion.position_m += options_.step_s * (motion.velocity_mps + 0.5 * change);
+  motion.velocity_mps += change;
+  motion.angular_momentum_kgm2ps += options_.step_s * loads_[i].torque_nm;
+  motion.attitude = rotate_moser_veselov(motion.attitude, bodies_[i].inertia_kgm2,
+                                         motion.angular_momentum_kgm2ps, options_.step_s);
 }
 
 }  // namespace ourengine

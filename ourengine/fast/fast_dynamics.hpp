@@ -104,6 +104,7 @@ class FastDynamics {
   void run_substeps();
   void keep_impulses();
   void move_bodies();
+  void move_body(std::size_t body);
 
   std::vector<BodyModel> bodies_;
   std::vector<Motion> motions_;

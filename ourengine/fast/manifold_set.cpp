@@ -16,6 +16,7 @@ constexpr double k_same_point = 0.1;
 // Cosine between normals of the same manifold.
 constexpr double k_same_normal = 0.9;
 constexpr std::size_t k_pairs_per_piece = 32;
+constexpr std::size_t k_bodies_per_piece = 256;
 
 std::vector<bool> fixed_flags(std::span<const BodyModel> bodies) {
   std::vector<bool> flags;
@@ -123,18 +124,24 @@ void ManifoldSet::restore(const History& history) {
   manifolds_ = history;
 }
 
-// Pairs whose boxes overlap, each with its manifold of the last update.
-void ManifoldSet::list_jobs(std::span<const Motion> motions, std::span<const BodyPose> poses) {
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const double margin_m = 0.5 * margin_m_ + poses[i].reach_m;
-    if (const auto* box = std::get_if<BoxGeometry>(&bodies_[i].geometry)) {
-      const Eigen::Vector3d reach =
-          poses[i].axes.cwiseAbs() * box->half_m + Eigen::Vector3d::Constant(margin_m);
-      boxes_[i] = {motions[i].position_m - reach, motions[i].position_m + reach};
-    } else {
-      boxes_[i] = bounds(bodies_[i].geometry, motions[i], margin_m);
+void ManifoldSet::bound_bodies(std::span<const Motion> motions, std::span<const BodyPose> poses,
+                               WorkerPool& pool) {
+  pool.for_ranges(motions.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double margin_m = 0.5 * margin_m_ + poses[i].reach_m;
+      if (const auto* box = std::get_if<BoxGeometry>(&bodies_[i].geometry)) {
+        const Eigen::Vector3d reach =
+            poses[i].axes.cwiseAbs() * box->half_m + Eigen::Vector3d::Constant(margin_m);
+        boxes_[i] = {motions[i].position_m - reach, motions[i].position_m + reach};
+      } else {
+        boxes_[i] = bounds(bodies_[i].geometry, motions[i], margin_m);
+      }
     }
-  }
+  });
+}
+
+// Pairs whose boxes overlap, each with its manifold of the last update.
+void ManifoldSet::list_jobs() {
   broad_phase_.update(boxes_);
   jobs_.clear();
   std::size_t old = 0;
@@ -204,7 +211,8 @@ SoftManifold ManifoldSet::make(const BodyPair& pair, std::span<const Motion> mot
 
 void ManifoldSet::update(std::span<const Motion> motions, std::span<const BodyPose> poses,
                          double step_s, WorkerPool& pool) {
-  list_jobs(motions, poses);
+  bound_bodies(motions, poses, pool);
+  list_jobs();
   next_.resize(jobs_.size());
   std::atomic<int> made = 0;  // a count: the order of its sum does not matter
   pool.for_ranges(jobs_.size(), k_pairs_per_piece, [&](std::size_t begin, std::size_t end) {

@@ -85,7 +85,9 @@ class ManifoldSet {
     int old = -1;  // into manifolds_
   };
 
-  void list_jobs(std::span<const Motion> motions, std::span<const BodyPose> poses);
+  void bound_bodies(std::span<const Motion> motions, std::span<const BodyPose> poses,
+                    WorkerPool& pool);
+  void list_jobs();
   bool may_recycle(const SoftManifold& old, std::span<const Motion> motions, double margin_m) const;
   SoftManifold make(const BodyPair& pair, std::span<const Motion> motions,
                     std::span<const BodyPose> poses, double step_s) const;

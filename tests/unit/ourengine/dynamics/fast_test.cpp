@@ -251,7 +251,7 @@ TEST(FastDynamics, RunsRepeatBitForBitAlsoAfterSetMotions) {
 
 // A wall that is hit, large enough that every loop is cut into pieces.
 Wall hit_wall() {
-  Wall wall = running_bond(14, 14);
+  Wall wall = running_bond(17, 17);
   add_brick(wall, {0.1, 0.05, 0.05}, {1.4, -0.3, 0.75}, {0, 20, 0}, 10000.0);
   return wall;
 }
