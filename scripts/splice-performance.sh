@@ -56,7 +56,8 @@ if [ "${1:-}" = --measure ]; then
   if [ ${#parts[@]} -eq 0 ]; then parts=(contact engine kapla performance standing_walls); fi
   load=$(cut -d' ' -f1 /proc/loadavg) # before there is any load of our own
   program=$build/brickbench
-  cmake --build "$build" --target brickbench benchmarks >&2
+  cmake --build "$build" --target brickbench benchmarks >&2 ||
+    die "$build cannot build brickbench and benchmarks (Debian package libbenchmark-dev)"
   results=$(mktemp -d "${TMPDIR:-/tmp}/performance-results.XXXXXX")
   trap 'rm -rf "$results"' EXIT
   mkdir -p "$folder"
