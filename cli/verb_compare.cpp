@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "cli/ensemble_verdicts.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "reports/src/compare.hpp"
+#include "reports/src/ensemble_report.hpp"
+#include "reports/src/html_sections.hpp"
 
 namespace brickbench {
 namespace {
@@ -50,7 +55,7 @@ void print_json(const Comparison& comparison) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-void print_tables(const Comparison& comparison, std::size_t rows) {
+void print_tables(const Comparison& comparison, const Ensembles& ensembles, std::size_t rows) {
   const TerminalStyle style = standard_output_style();
   fmt::print("{}\n", headline(comparison));
   for (const std::string& fact : comparison.facts) fmt::print("  {}\n", fact);
@@ -65,22 +70,48 @@ void print_tables(const Comparison& comparison, std::size_t rows) {
     timings.title = "CPU time per step";
     fmt::print("\n{}", to_terminal(timings, style));
   }
+  Table spread = ensemble_table(ensembles);
+  if (!spread.rows.empty()) {
+    if (spread.rows.size() > rows) spread.rows.resize(rows);
+    spread.title = ensemble_headline(ensembles).front();
+    fmt::print("\n{}", to_terminal(spread, style));
+  }
   for (const std::string& cell : comparison.only_in_a) fmt::print("only in the first: {}\n", cell);
   for (const std::string& cell : comparison.only_in_b) fmt::print("only in the second: {}\n", cell);
+}
+
+// The last parts of two paths, where these tell them apart.
+std::pair<std::string, std::string> short_labels(const std::string& a, const std::string& b) {
+  const auto last = [](const std::string& path) {
+    return (std::filesystem::path(path + "/.").lexically_normal())
+        .parent_path()
+        .filename()
+        .string();
+  };
+  return last(a).empty() || last(b).empty() || last(a) == last(b) ? std::pair{a, b}
+                                                                  : std::pair{last(a), last(b)};
 }
 
 int compare_folders(const CompareOptions& options) {
   const auto sources = read_sources({options.a, options.b});
   if (!sources) return complain_of(sources.error());
   const Comparison comparison = compare(sources->front(), sources->back());
-  const std::string markdown = compare_markdown(comparison, options.a, options.b);
+  const auto [label_a, label_b] = short_labels(options.a, options.b);
+  Ensembles ensembles = ensembles_between(sources->front(), sources->back(), label_a, label_b);
+  judge(ensembles);
+  Palette palette;
+  const std::string markdown = compare_markdown(comparison, options.a, options.b) +
+                               markdown_ensembles(ensembles, palette, "");
   if (!options.out.empty()) {
     PageAssets assets = page_assets();
     assets.script.clear();  // nothing to replay here
-    const std::vector<OutputFile> files = {
-        {"index.html", page(options.a + " -> " + options.b,
-                            compare_html(comparison, options.a, options.b), "", assets)},
+    const std::string body =
+        compare_html(comparison, options.a, options.b) +
+        html_section("ensembles", "Ensembles", html_ensembles(ensembles, palette, ""));
+    std::vector<OutputFile> files = {
+        {"index.html", page(options.a + " -> " + options.b, body, "", assets)},
         {"compare.md", markdown}};
+    std::ranges::move(ensemble_files(ensembles, palette, ""), std::back_inserter(files));
     if (auto ok = write_folder(options.out, files); !ok) return complain_of(ok.error());
   }
   if (options.json)
@@ -88,7 +119,7 @@ int compare_folders(const CompareOptions& options) {
   else if (options.markdown)
     fmt::print("{}", markdown);
   else
-    print_tables(comparison, options.rows);
+    print_tables(comparison, ensembles, options.rows);
   const bool differs = comparison.beyond_noise > 0 || !comparison.only_in_a.empty() ||
                        !comparison.only_in_b.empty() || comparison.compared == 0;
   return differs ? k_exit_failed_case : k_exit_fine;

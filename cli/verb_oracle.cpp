@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/build_facts.hpp"
+#include "cli/complain.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/gate/confusion.hpp"
@@ -35,11 +36,6 @@ enum class Form { text, json, markdown };
 
 Form form_of(const OracleOptions& options) {
   return options.json ? Form::json : options.markdown ? Form::markdown : Form::text;
-}
-
-int complain(const std::string& message, int code = k_exit_bad_input) {
-  fmt::print(stderr, "brickbench: {}\n", message);
-  return code;
 }
 
 Expected<Scene> scene_of(const OracleOptions& options, const Catalogues& catalogues) {
@@ -128,7 +124,7 @@ void print_laws_head(const OracleOptions& options, Form form) {
 
 int laws(const OracleOptions& options, const Catalogues& catalogues) {
   const auto scene = scene_of(options, catalogues);
-  if (!scene) return complain(scene.error().reason);
+  if (!scene) return complain(scene.error());
   const Form form = form_of(options);
   auto records = Json::array();
   int code = k_exit_fine;
@@ -178,7 +174,7 @@ void print_defect(const Scene& scene, const gate::StepDefect& d) {
 int defect(const OracleOptions& options, const Catalogues& catalogues) {
   constexpr double share = 0.01;  // of the lightest body's weight times step
   const auto scene = scene_of(options, catalogues);
-  if (!scene) return complain(scene.error().reason);
+  if (!scene) return complain(scene.error());
   const auto others = engines_of({options.against}, catalogues);
   auto records = Json::array();
   int code = k_exit_fine;
@@ -267,7 +263,8 @@ int statics(const OracleOptions& options, const Catalogues& catalogues) {
   const auto engines = engines_of(options.engines, catalogues);
   const auto assemblies = gate::labelled_assemblies(options.count, seed);
   if (assemblies.size() < options.count) {
-    return complain(fmt::format("only {} assemblies have a strict label", assemblies.size()));
+    return complain(fmt::format("only {} assemblies have a strict label", assemblies.size()),
+                    k_exit_bad_input);
   }
   const auto stands = std::ranges::count_if(assemblies, [](const gate::LabelledAssembly& item) {
     return item.verdict.label == gate::StaticLabel::stands;
@@ -317,7 +314,7 @@ int guarded(Action action, const OracleOptions& options) {
   try {
     return action(options, all_catalogues());
   } catch (const InputError& error) {
-    return complain(error.text());
+    return complain(error.text(), k_exit_bad_input);
   }
 }
 

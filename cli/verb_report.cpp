@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/ensemble_verdicts.hpp"
 #include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/verbs.hpp"
@@ -12,6 +13,7 @@ namespace {
 struct ReportVerbOptions {
   std::vector<std::string> folders;
   std::string out;
+  std::string against;
   std::size_t replay_frames = 240;
   bool no_pdf = false;
   bool json = false;
@@ -22,8 +24,12 @@ int report(const ReportVerbOptions& options) {
   if (!sources) return complain_of(sources.error());
   fold_validations(*sources);
   add_replay_depths(*sources, options.replay_frames);
-  const auto files =
-      report_files(*sources, page_assets(), {.replay_frames = options.replay_frames});
+  ReportOptions how{.replay_frames = options.replay_frames};
+  for (const ReportSource& source : *sources) {
+    how.ensembles.push_back(ensembles_within(source, options.against));
+    judge(how.ensembles.back());
+  }
+  const auto files = report_files(*sources, page_assets(), how);
   const std::vector<Figure> figures = report_figures(*sources);
   const auto written = write_report(options.out, files, figures, !options.no_pdf);
   if (!written) return complain_of(written.error());
@@ -57,6 +63,8 @@ void add_report_verb(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<ReportVerbOptions>();
   verb->add_option("folders", options->folders, "Results folders")->required();
   verb->add_option("--out", options->out, "New folder for the report")->required();
+  verb->add_option("--against", options->against,
+                   "Engine that ensembles are compared with; default the first of each scene");
   verb->add_option("--replay-frames", options->replay_frames, "Frames per replay at most")
       ->check(CLI::Range(2, 2000));
   verb->add_flag("--no-pdf", options->no_pdf, "No PDF figures, even if gnuplot is there");

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "experiments/gate/observe.hpp"
+#include "experiments/record/markup.hpp"
 
 namespace brickbench::gate {
 namespace {
@@ -30,18 +31,6 @@ std::string group_of(const Cell& cell) {
 
 constexpr double k_suspicious = 0.05;
 
-// The groups with a number that is neither identical, nor same, nor different yet.
-std::set<std::string> undecided(const std::vector<Comparison>& comparisons) {
-  std::set<std::string> groups;
-  for (const Comparison& c : comparisons) {
-    // "Same within the margin" beside a small p: small samples cannot reject in a large family yet.
-    const bool suspicious = c.finding == Finding::fine && c.p_value < k_suspicious;
-    if (c.finding != Finding::open && !suspicious) continue;
-    groups.insert(c.experiment + '|' + c.obtained.engine + '|' + c.obtained.axes + '|');
-  }
-  return groups;
-}
-
 // The references of the experiments and engines that the cells belong to: others are not asked.
 Suite asked_of(const Suite& reference, const std::vector<Cell>& cells) {
   std::set<std::pair<std::string, std::string>> asked;
@@ -62,35 +51,23 @@ void append(RunResult& all, RunResult part) {
   std::ranges::move(part.rows, std::back_inserter(all.rows));
 }
 
-std::string escape(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 std::string title(const Comparison& c) {
   return fmt::format("{} {} {} {}", c.experiment, c.obtained.engine, c.obtained.axes,
                      c.obtained.metric.empty() ? "state hash" : c.obtained.metric);
 }
 
 }  // namespace
+
+std::set<std::string> undecided(const std::vector<Comparison>& comparisons) {
+  std::set<std::string> groups;
+  for (const Comparison& c : comparisons) {
+    // "Same within the margin" beside a small p: small samples cannot reject in a large family yet.
+    const bool suspicious = c.finding == Finding::fine && c.p_value < k_suspicious;
+    if (c.finding != Finding::open && !suspicious) continue;
+    groups.insert(c.experiment + '|' + c.obtained.engine + '|' + c.obtained.axes + '|');
+  }
+  return groups;
+}
 
 CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalogues& catalogues,
                   const Suite& reference, const CheckPlan& how, const Machine& machine,
@@ -145,21 +122,21 @@ std::string junit(const std::string& suite, const CheckResult& result) {
   std::size_t failures = 0;
   std::string cases;
   for (const Comparison& c : result.comparisons) {
-    cases += fmt::format("  <testcase classname=\"{}.{}\" name=\"{}\">", escape(suite),
-                         escape(c.experiment), escape(title(c)));
+    cases += fmt::format("  <testcase classname=\"{}.{}\" name=\"{}\">", escape_markup(suite),
+                         escape_markup(c.experiment), escape_markup(title(c)));
     if (is_red(c)) {
       ++failures;
       cases += fmt::format("<failure type=\"{}\" message=\"{}\">{}</failure>", to_word(c.finding),
-                           escape(c.message), escape(reproduce(suite, c)));
+                           escape_markup(c.message), escape_markup(reproduce(suite, c)));
     } else if (c.finding == Finding::not_comparable || c.finding == Finding::fresh) {
-      cases += fmt::format("<skipped message=\"{}\"/>", escape(c.message));
+      cases += fmt::format("<skipped message=\"{}\"/>", escape_markup(c.message));
     }
     cases += "</testcase>\n";
   }
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<testsuite name=\"brickbench.{}\" tests=\"{}\" failures=\"{}\">\n{}</testsuite>\n",
-      escape(suite), result.comparisons.size(), failures, cases);
+      escape_markup(suite), result.comparisons.size(), failures, cases);
 }
 
 std::string annotations(const std::string& suite, const std::string& reference_folder,

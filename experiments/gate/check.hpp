@@ -2,6 +2,8 @@
 // references.
 #pragma once
 
+#include <set>
+
 #include "experiments/gate/compare.hpp"
 #include "experiments/run/run_plan.hpp"
 
@@ -21,6 +23,10 @@ struct CheckPlan {
   std::vector<std::size_t> looks = {8, 16};
   bool all_starts = false;  // run everything: for new references
 };
+
+// The ensembles, as "experiment|engine|axes|", with a number that is neither identical, nor same,
+// nor different yet: those that the next look adds starts to.
+std::set<std::string> undecided(const std::vector<Comparison>& comparisons);
 
 CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalogues& catalogues,
                   const Suite& reference, const CheckPlan& how, const Machine& machine,

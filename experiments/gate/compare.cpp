@@ -85,8 +85,9 @@ void judge_sample(Comparison& c, const ComparePlan& plan) {
   c.difference = c.obtained_value - c.reference_value;
   const double margin = std::max(c.reference.margin, 1e-300);
   const Look look = look_at(a, b, margin, plan.sequential);
-  c.p_value = look.verdict == Verdict::identical ? 1.0 : look.test.p_value;
-  if (look.verdict == Verdict::identical) {
+  c.identical = look.verdict == Verdict::identical;
+  c.p_value = c.identical ? 1.0 : look.test.p_value;
+  if (c.identical) {
     c.message = fmt::format("identical in {} starts", a.size());
   } else if (look.mean.equivalent) {
     c.message =
@@ -101,6 +102,30 @@ void judge_sample(Comparison& c, const ComparePlan& plan) {
         a.size(), c.p_value, margin, c.reference.unit,
         needed > a.size() ? needed - a.size() : std::size_t{1});
   }
+}
+
+bool is_sample(const Comparison& c) {
+  return c.finding != Finding::fresh && c.reference.kind == Kind::distribution &&
+         c.obtained.kind == Kind::distribution && c.reference.outcome == "ok" &&
+         c.obtained.outcome == "ok";
+}
+
+bool is_identical(const Record& reference, const Record& obtained) {
+  std::vector<double> a, b;
+  common(reference, obtained, a, b);
+  return a == b;
+}
+
+// The smallest p-value must be able to reject in the family that there is.
+ComparePlan for_family(const std::vector<Comparison>& all, const ComparePlan& plan) {
+  const auto tests = std::ranges::count_if(all, [](const Comparison& c) {
+    return is_sample(c) && !is_identical(c.reference, c.obtained);
+  });
+  const double level = plan.alpha / static_cast<double>(plan.sequential.looks);
+  ComparePlan fitted = plan;
+  std::size_t& permutations = fitted.sequential.permutation.permutations;
+  permutations = relabellings_for(static_cast<std::size_t>(tests), level, permutations);
+  return fitted;
 }
 
 void judge(Comparison& c, const ComparePlan& plan) {
@@ -125,6 +150,7 @@ void control_family(std::vector<Comparison>& all, const ComparePlan& plan) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].reference.kind != Kind::distribution || all[i].reference.outcome != "ok") continue;
     if (all[i].finding != Finding::fine && all[i].finding != Finding::open) continue;
+    if (all[i].identical) continue;
     tested.push_back(i);
     p_values.push_back(all[i].p_value);
   }
@@ -155,7 +181,6 @@ std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
       c.obtained = record;
       if (const Record* known = reference.find(experiment.name, record.key())) {
         c.reference = *known;
-        judge(c, plan);
       } else {
         c.reference = record;
         c.finding = Finding::fresh;
@@ -163,6 +188,10 @@ std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
       }
       all.push_back(std::move(c));
     }
+  }
+  const ComparePlan fitted = for_family(all, plan);
+  for (Comparison& c : all) {
+    if (c.finding != Finding::fresh) judge(c, fitted);
   }
   for (const Suite::Experiment& experiment : reference.experiments) {
     for (const Record& record : experiment.records) {

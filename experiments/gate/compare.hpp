@@ -29,7 +29,8 @@ struct Comparison {
   double bound = 0.0;   // of |difference|; for distributions the level of p
   double factor = 0.0;  // how many times over the bound; for p-values bound / p
   double p_value = 1.0;
-  std::string message;  // one sentence with all of the above
+  bool identical = false;  // a distribution, bit for bit, start by start
+  std::string message;     // one sentence with all of the above
 };
 
 struct ComparePlan {
@@ -37,8 +38,10 @@ struct ComparePlan {
   SequentialPlan sequential;
 };
 
-// All p-values of the suite stand in one family (Holm). `complete`: everything that the references
-// hold was to be obtained, so that what is missing is a failure.
+// All samples of the suite that are not identical stand in one family (Holm): what did not change
+// by a bit cannot be rejected, and whether it did is decided by the change and not by chance. So
+// many relabellings are drawn that the smallest p-value can reject in that family. `complete`:
+// everything that the references hold was to be obtained, so that what is missing is a failure.
 std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
                                 const ComparePlan& plan, bool complete);
 

@@ -89,6 +89,11 @@ std::vector<std::size_t> ascending(std::span<const double> p_values) {
 
 }  // namespace
 
+std::size_t relabellings_for(std::size_t tests, double level, std::size_t least) {
+  return std::max(least,
+                  static_cast<std::size_t>(std::ceil(1.2 * static_cast<double>(tests) / level)));
+}
+
 double energy_distance(std::span<const double> a, std::span<const double> b) {
   return energy_of(pool(a, b));
 }

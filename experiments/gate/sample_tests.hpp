@@ -22,6 +22,10 @@ struct PermutationPlan {
   std::uint64_t seed = 1;
 };
 
+// Relabellings, at least `least`, with which the smallest p-value can be rejected at `level` in a
+// family of `tests` under Holm's procedure; a fifth more than that, so that ties leave room.
+std::size_t relabellings_for(std::size_t tests, double level, std::size_t least);
+
 // Twice the integral of (F_a - F_b)^2 over the line: the energy distance of two samples (Szekely
 // and Rizzo, Energy statistics, J. Stat. Planning and Inference 143, 2013, section 2). Unit of the
 // values. Samples are not empty and finite.

@@ -6,6 +6,7 @@
 #include <array>
 #include <iterator>
 
+#include "reports/src/ensemble_report.hpp"
 #include "reports/src/figures.hpp"
 #include "reports/src/html_sections.hpp"
 #include "reports/src/markdown_report.hpp"
@@ -165,7 +166,7 @@ void add_scenes(const ReportSource& source, const Palette& palette, const Replay
 
 std::string source_html(const ReportSource& source, const SourceFigures& figures,
                         const Palette& palette, const PageAssets& assets, const std::string& prefix,
-                        const ReplayLimits& limits) {
+                        const ReplayLimits& limits, const std::string& ensembles) {
   const std::vector<Block> blocks = summarize(source.rows);
   const SceneNames names(blocks);
   const bool svg = assets.script.empty();
@@ -181,6 +182,7 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
   if (!source.rows.empty()) section("replay", "Replay", replay_html(source, assets, limits));
   section("time", "Over time", figures_html(figures.time, names, svg));
   section("tables", "Scenes", html_scene_tables(blocks, names, palette));
+  section("ensembles", "Ensembles", ensembles);
   section("step", "Error against the step", figures_html(figures.step, names, svg));
   section("cost", "Accuracy against cost", figures_html(figures.cost, names, svg));
   section("validation", "Validation",
@@ -296,11 +298,15 @@ std::vector<OutputFile> report_files(std::span<const ReportSource> sources,
     const ReportSource& source = sources[i];
     const std::string prefix = prefix_of(i, sources.size());
     const SourceFigures figures = figures_of(source, prefix, palette);
-    body += source_html(source, figures, palette, assets, prefix, limits);
+    const Ensembles none;
+    const Ensembles& ensembles = i < options.ensembles.size() ? options.ensembles[i] : none;
+    body += source_html(source, figures, palette, assets, prefix, limits,
+                        html_ensembles(ensembles, palette, prefix));
     add_scenes(source, palette, limits, scenes);
     markdown += (i == 0 ? "" : "\n") +
                 markdown_report({source.rows, source.timings, &source.provenance}) +
-                markdown_validation(source);
+                markdown_validation(source) + markdown_ensembles(ensembles, palette, prefix);
+    std::ranges::move(ensemble_files(ensembles, palette, prefix), std::back_inserter(files));
     if (!source.validation.is_null()) {
       files.push_back({"figures/" + prefix + "validation.csv", validation_csv(source)});
     }

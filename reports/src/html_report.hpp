@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "reports/src/ensembles.hpp"
 #include "reports/src/figure.hpp"
 #include "reports/src/page_assets.hpp"
 #include "reports/src/report_source.hpp"
@@ -18,7 +19,8 @@ struct OutputFile {
 };
 
 struct ReportOptions {
-  std::size_t replay_frames = 240;  // at most, per replay
+  std::size_t replay_frames = 240;        // at most, per replay
+  std::vector<Ensembles> ensembles = {};  // empty, or those of each source
 };
 
 // index.html, report.md, figures/<id>.svg and figures/<id>.csv, in this order. The same bytes for

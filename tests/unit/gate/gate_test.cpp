@@ -1,4 +1,5 @@
 // References, comparisons and blessings: what is red, why, and what a blessing may touch.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -83,6 +84,34 @@ TEST(Gate, SamplesAreComparedAsDistributions) {
   const Comparison open = only(narrow, sample_record(5.0, 2));
   EXPECT_EQ(open.finding, Finding::open);
   EXPECT_NE(open.message.find("more needed"), std::string::npos) << open.message;
+}
+
+TEST(Gate, AFamilyOfHundredsOfTestsCanStillReject) {
+  // The first rejection among 500 needs p <= 2e-5; the default 20 000 relabellings end at 5e-5.
+  constexpr std::size_t k_tests = 500;
+  std::vector<Record> references, obtained;
+  for (std::size_t i = 0; i < k_tests; ++i) {
+    const std::uint64_t seed = 2 * i + 100;
+    references.push_back(sample_record(5.0, seed));
+    obtained.push_back(sample_record(i == 7 ? 8.0 : 5.0, seed + 1));
+    references.back().axes = obtained.back().axes = fmt::format("number={:03}", i);
+  }
+  const auto comparisons = compare(suite_of(references), suite_of(obtained), {}, true);
+  EXPECT_EQ(comparisons[0].finding, Finding::deviation) << comparisons[0].message;
+  EXPECT_EQ(comparisons[0].obtained.axes, "number=007");
+  EXPECT_FALSE(is_red(comparisons[1])) << comparisons[1].message;
+}
+
+TEST(Gate, WhatDidNotChangeMakesTheFamilyNoLarger) {
+  std::vector<Record> references = {sample_record(5.0, 1)}, obtained = {sample_record(8.0, 2)};
+  for (std::size_t i = 0; i < 10; ++i) {
+    references.push_back(sample_record(5.0, 1));
+    references.back().axes = fmt::format("number={}", i);
+    obtained.push_back(references.back());
+  }
+  const Comparison worst = compare(suite_of(references), suite_of(obtained), {}, true).at(0);
+  EXPECT_EQ(worst.finding, Finding::deviation);
+  EXPECT_EQ(worst.bound, 0.01);
 }
 
 TEST(Gate, AnOutcomeThatChangedIsADeviation) {

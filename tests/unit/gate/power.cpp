@@ -1,10 +1,17 @@
 // Measures the gate itself: how often a suite is red when nothing changed, and how often when a
-// known fault was seeded. gate_power PLAN ENGINE TRIALS PAIRS prints one Markdown row per fault.
+// known fault was seeded. Both print Markdown rows.
 //
-// Each trial has starts of its own. False alarms are counted between two trials of the same engine,
-// each used once, whose starts are independent: nothing is identical, and only the statistics
-// decide. Only the ensembles are run and judged: hashes and bounds would show any change. Halved
-// are the library's own iterations: measure the variant that has them.
+// gate_power faults PLAN ENGINE TRIALS SEED: one row per fault. Each trial has starts of its own,
+// numbered from SEED on; reference and candidate of a trial have the same starts, as in a check.
+// Halved are the iterations that the engine has without being asked; engines without that knob have
+// no such row.
+//
+// gate_power alarms PLAN ENGINE STARTS TRIALS SEED: one row. STARTS runs of each ensemble are
+// recorded; each trial draws from them, without replacement, the starts of a reference and others
+// of a candidate, and looks at them in growing samples as a check does. Nothing is identical: only
+// the statistics decide.
+//
+// Only the ensembles are run and judged: hashes and bounds would show any change.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,10 +21,12 @@
 #include <ctime>
 #include <iostream>
 #include <map>
+#include <numeric>
+#include <random>
 #include <utility>
 
 #include "adapters/catalog.hpp"
-#include "experiments/gate/compare.hpp"
+#include "experiments/gate/check.hpp"
 #include "experiments/gate/observe.hpp"
 #include "experiments/run/run_plan.hpp"
 
@@ -62,14 +71,22 @@ struct Bench {
   std::vector<Cell> cells;
   std::vector<std::pair<std::string, std::size_t>> seeds;
 
-  // The suite's numbers from the starts of this trial.
+  void expand_ensembles() {
+    cells = expand(plan, catalogues).value();
+    seeds.clear();
+    for (const Experiment& experiment : plan.experiments) {
+      seeds.emplace_back(experiment.name, experiment.seeds.size());
+    }
+  }
+
+  // The suite's numbers from the starts of this trial, 1000 of which are set apart for each.
   Suite run(const std::vector<Scenario>& scenarios_in, std::uint64_t trial,
             double iterations) const {
     Catalogues with = catalogues;
     with.scenarios = scenarios_in;
     std::vector<Cell> batch = cells;
     for (Cell& cell : batch) {
-      if (cell.seed != 0) cell.seed += 1000 * trial;
+      cell.seed += 1000 * trial;
       for (const Knob& knob : find_adapter(catalogues, cell.engine.engine)->knobs) {
         if (iterations != 1.0 && knob.name.find("iterations") != std::string::npos) {
           cell.knobs[knob.name] = std::max(1.0, std::floor(iterations * knob.engine_default));
@@ -140,70 +157,171 @@ void print(const std::string& engine, const std::string& fault, const Count& cou
   std::cout << std::flush;
 }
 
-void measure(const Bench& bench, const std::string& engine, std::uint64_t trials,
-             std::uint64_t pairs) {
+bool has_iterations(const Bench& bench) {
+  return std::ranges::any_of(bench.catalogues.adapters, [&](const Adapter& adapter) {
+    return std::ranges::any_of(bench.cells, [&](const Cell& cell) {
+      return cell.engine.engine == adapter.name &&
+             std::ranges::any_of(adapter.knobs, [](const Knob& knob) {
+               return knob.name.find("iterations") != std::string::npos;
+             });
+    });
+  });
+}
+
+void measure_faults(const Bench& bench, const std::string& engine, std::uint64_t trials,
+                    std::uint64_t seed) {
   const auto indices = std::make_index_sequence<k_scenarios>();
-  const ComparePlan how{.sequential = {.looks = 3}};
-  Count calm;
-  double start = cpu_s();
+  const ComparePlan how{.alpha = 0.01, .sequential = {.looks = 3}};
   std::vector<Suite> sound;
-  for (std::uint64_t n = 0; n < pairs; ++n) {
-    Suite one = bench.run(scenarios(), 2 * n, 1.0);
-    Suite other = bench.run(scenarios(), 2 * n + 1, 1.0);
-    calm.add(compare(one, other, how, true));
-    if (sound.size() < trials) sound.push_back(std::move(one));
-    if (sound.size() < trials) sound.push_back(std::move(other));
-  }
-  print(engine, "nothing (independent starts)", calm, cpu_s() - start, false);
-  while (sound.size() < trials) {
-    sound.push_back(bench.run(scenarios(), sound.size(), 1.0));
-  }
+  while (sound.size() < trials) sound.push_back(bench.run(scenarios(), seed + sound.size(), 1.0));
   struct Seeded {
     const char* name;
     std::vector<Scenario> scenarios;
     double iterations;
   };
-  const std::vector<Seeded> faults = {{"friction -5 %", wrap<Fault::friction>(indices), 1.0},
-                                      {"gravity +1 %", wrap<Fault::gravity>(indices), 1.0},
-                                      {"restitution +0.05", wrap<Fault::restitution>(indices), 1.0},
-                                      {"solver iterations halved", scenarios(), 0.5}};
+  std::vector<Seeded> faults = {{"friction -5 %", wrap<Fault::friction>(indices), 1.0},
+                                {"gravity +1 %", wrap<Fault::gravity>(indices), 1.0},
+                                {"restitution +0.05", wrap<Fault::restitution>(indices), 1.0}};
+  if (has_iterations(bench)) faults.push_back({"solver iterations halved", scenarios(), 0.5});
   for (const Seeded& fault : faults) {
     Count count;
-    start = cpu_s();
+    const double start = cpu_s();
     for (std::uint64_t t = 0; t < trials; ++t) {
       // The starts of the reference are those of the trial: common random numbers.
-      const Suite faulty = bench.run(fault.scenarios, t, fault.iterations);
+      const Suite faulty = bench.run(fault.scenarios, seed + t, fault.iterations);
       count.add(compare(sound[t], faulty, how, true));
     }
     print(engine, fault.name, count, cpu_s() - start, true);
   }
 }
 
+// The recorded runs `from`, `from` + 1 ... of `order`, as many of each ensemble as `taken` says.
+Suite drawn(const Suite& pool, const std::vector<std::size_t>& order, std::size_t from,
+            const std::map<std::string, std::size_t>& taken) {
+  Suite suite = pool;
+  for (Suite::Experiment& experiment : suite.experiments) {
+    for (Record& record : experiment.records) {
+      const std::size_t count =
+          taken.at(experiment.name + '|' + record.engine + '|' + record.axes + '|');
+      std::vector<double> values;
+      std::vector<std::uint64_t> seeds;
+      for (std::size_t i = 0; i < count && i < record.values.size(); ++i) {
+        values.push_back(record.values[order[from + i]]);
+        seeds.push_back(i + 1);
+      }
+      record.values = std::move(values);
+      record.seeds = std::move(seeds);
+    }
+  }
+  return suite;
+}
+
+// As check(): looks at growing samples until every number is decided.
+std::vector<Comparison> check_drawn(const Suite& pool, const std::vector<std::size_t>& order,
+                                    const std::map<std::string, std::size_t>& full) {
+  const std::vector<std::size_t> looks = {8, 16, SIZE_MAX};
+  const ComparePlan how{.alpha = 0.01, .sequential = {.looks = looks.size()}};
+  std::size_t most = 0;
+  for (const auto& [group, count] : full) most = std::max(most, count);
+  const Suite reference = drawn(pool, order, 0, full);
+  std::map<std::string, std::size_t> taken;
+  for (const auto& [group, count] : full) taken[group] = std::min(count, looks[0]);
+  for (std::size_t look = 0;; ++look) {
+    auto comparisons = compare(reference, drawn(pool, order, most, taken), how, true);
+    const auto open = undecided(comparisons);
+    if (open.empty() || look + 1 == looks.size()) return comparisons;
+    for (const std::string& group : open) {
+      taken[group] = std::min(full.at(group), looks[look + 1]);
+    }
+  }
+}
+
+// Whether every start of every ensemble yielded every number.
+bool is_whole(const Suite& pool, std::size_t starts) {
+  for (const Suite::Experiment& experiment : pool.experiments) {
+    for (const Record& record : experiment.records) {
+      if (record.outcome == "ok" && record.values.size() == starts) continue;
+      std::cerr << experiment.name << ' ' << record.key() << ": " << record.values.size() << " of "
+                << starts << " starts, " << record.outcome << '\n';
+      return false;
+    }
+  }
+  return true;
+}
+
+int measure_alarms(Bench bench, const std::string& engine, std::size_t starts, std::uint64_t trials,
+                   std::uint64_t seed) {
+  std::map<std::string, std::size_t> ensemble_size;
+  for (Experiment& experiment : bench.plan.experiments) {
+    ensemble_size[experiment.name] = experiment.seeds.size();
+    experiment.seeds.resize(starts);
+    std::iota(experiment.seeds.begin(), experiment.seeds.end(), 1000 * seed + 1);
+  }
+  bench.expand_ensembles();
+  double start = cpu_s();
+  const RunResult result = run_cells(bench.cells, bench.catalogues, {"", ""});
+  const Suite pool = observe(result.rows, bench.seeds, {});
+  if (!is_whole(pool, starts)) return 3;
+  std::map<std::string, std::size_t> full;
+  std::size_t numbers = 0;
+  std::size_t most = 0;
+  for (const Suite::Experiment& experiment : pool.experiments) {
+    numbers += experiment.records.size();
+    most = std::max(most, ensemble_size.at(experiment.name));
+    for (const Record& record : experiment.records) {
+      full[experiment.name + '|' + record.engine + '|' + record.axes + '|'] =
+          ensemble_size.at(experiment.name);
+    }
+  }
+  if (2 * most > starts) {
+    std::cerr << "a trial needs " << 2 * most << " starts\n";
+    return 2;
+  }
+  const double pool_cpu_s = cpu_s() - start;
+  start = cpu_s();
+  std::mt19937_64 random(seed);
+  std::vector<std::size_t> order(starts);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Count calm;
+  for (std::uint64_t t = 0; t < trials; ++t) {
+    for (std::size_t i = 0; i < 2 * most; ++i) {
+      std::swap(order[i], order[i + random() % (starts - i)]);
+    }
+    calm.add(check_drawn(pool, order, full));
+  }
+  fmt::print("| {} | {} | {} | {} of {} | <= {:.2f} % | {} | {:.0f} + {:.0f} |\n", engine, numbers,
+             starts, calm.red, calm.trials, 100.0 * upper_limit(calm.red, calm.trials, 0.05),
+             calm.most_named(), pool_cpu_s, cpu_s() - start);
+  return 0;
+}
+
 int run(int argc, char** argv) {
-  if (argc != 5) {
-    std::cerr << "gate_power PLAN ENGINE TRIALS PAIRS\n";
+  const std::string mode = argc > 1 ? argv[1] : "";
+  if ((mode != "faults" || argc != 6) && (mode != "alarms" || argc != 7)) {
+    std::cerr << "gate_power faults PLAN ENGINE TRIALS SEED\n"
+                 "gate_power alarms PLAN ENGINE STARTS TRIALS SEED\n";
     return 2;
   }
   Bench bench{{scenarios(), metrics(), adapters(), {}}, {}, {}, {}};
   for (const Adapter& adapter : bench.catalogues.adapters) {
     bench.catalogues.known_engines.push_back(adapter.name);
   }
-  const auto plan =
-      read_plan(argv[1], bench.catalogues, {.set = {}, .engines = {argv[2]}, .only = {}});
+  const std::string engine = argv[3];
+  Overrides chosen;
+  if (engine != "suite") chosen.engines = {engine};
+  const auto plan = read_plan(argv[2], bench.catalogues, chosen);
   if (!plan) {
     std::cerr << plan.error().text() << '\n';
     return 2;
   }
   bench.plan = *plan;
-  bench.cells = expand(*plan, bench.catalogues).value();
-  for (const Experiment& experiment : plan->experiments) {
-    if (kind_for(experiment.seeds.size()) != Kind::distribution) {
-      std::erase_if(bench.cells, [&](const Cell& c) { return c.experiment == experiment.name; });
-      continue;
-    }
-    bench.seeds.emplace_back(experiment.name, experiment.seeds.size());
-  }
-  measure(bench, argv[2], std::strtoull(argv[3], nullptr, 10), std::strtoull(argv[4], nullptr, 10));
+  std::erase_if(bench.plan.experiments, [](const Experiment& experiment) {
+    return kind_for(experiment.seeds.size()) != Kind::distribution;
+  });
+  bench.expand_ensembles();
+  const auto number = [&](int i) { return std::strtoull(argv[i], nullptr, 10); };
+  if (mode == "alarms") return measure_alarms(bench, engine, number(4), number(5), number(6));
+  measure_faults(bench, engine, number(4), number(5));
   return 0;
 }
 
