@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "cli/complain.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/exact/metamorphic.hpp"
 #include "experiments/exact/stable_step.hpp"
@@ -47,7 +48,7 @@ Json symmetry_json(const exact::MetamorphicResult& result, const EngineVariant& 
 }  // namespace
 
 int compare_symmetries(const std::vector<EngineVariant>& engines, const Catalogues& catalogues,
-                       const std::string& scene_name, bool json) {
+                       const std::string& scene_name, const ParameterValues& given, bool json) {
   constexpr double k_step_s = 0.002, k_time_s = 1.0;
   const auto steps = static_cast<std::size_t>(k_time_s / k_step_s);
   const auto scenes = scenes_named(catalogues, scene_name);
@@ -58,7 +59,9 @@ int compare_symmetries(const std::vector<EngineVariant>& engines, const Catalogu
                "after 1/16", "at the end", "rate 1/s");
   }
   for (const Scenario* scenario : scenes) {
-    const World world = build(*scenario, {}).value().world;
+    const auto scene = build(*scenario, given);
+    if (!scene) return complain(scene.error());
+    const World& world = scene->world;
     for (const EngineVariant& engine : engines) {
       Settings settings;
       settings.step_s = k_step_s;

@@ -12,6 +12,7 @@
 #include "cli/validation_output.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/exact/order.hpp"
+#include "experiments/exact/sketch.hpp"
 #include "experiments/exact/validate.hpp"
 #include "experiments/record/csv.hpp"
 #include "experiments/run/selector.hpp"
@@ -26,17 +27,20 @@ struct ValidateOptions {
   std::string cases = "all";
   bool predict = false;
   bool order = false;
-  std::string symmetry;            // a scene, or all, whose images are compared; empty: none
-  std::string stable_step;         // a scene at rest; empty: none
-  std::vector<std::string> knobs;  // name=value
+  std::string symmetry;                 // a scene, or all, whose images are compared; empty: none
+  std::vector<std::string> parameters;  // of the scene of `symmetry`, name=value
+  std::string stable_step;              // a scene at rest; empty: none
+  std::vector<std::string> knobs;       // name=value
+  std::string figures;                  // a new folder for the cases' starts; empty: none
   bool json = false;
   std::string out;                     // a new folder for `report`; empty: none
   std::vector<std::string> arguments;  // as typed
 };
 
-// name=value, ... as typed; Fault::invalid names what is not of that form.
-Expected<KnobValues> parse_knobs(const std::vector<std::string>& texts) {
-  KnobValues knobs;
+// name=number, ... as typed; Fault::invalid names what is not of that form.
+Expected<KnobValues> parse_numbers(const std::string& option,
+                                   const std::vector<std::string>& texts) {
+  KnobValues numbers;
   for (const std::string& text : texts) {
     const std::size_t sign = text.find('=');
     double value = 0.0;
@@ -45,11 +49,11 @@ Expected<KnobValues> parse_knobs(const std::vector<std::string>& texts) {
                           ? std::from_chars_result{nullptr, std::errc::invalid_argument}
                           : std::from_chars(text.data() + sign + 1, end, value);
     if (read.ec != std::errc() || read.ptr != end) {
-      return fail(Fault::invalid, fmt::format("--knob {}: wanted is name=number", text));
+      return fail(Fault::invalid, fmt::format("{} {}: wanted is name=number", option, text));
     }
-    knobs[text.substr(0, sign)] = value;
+    numbers[text.substr(0, sign)] = value;
   }
-  return knobs;
+  return numbers;
 }
 
 std::string reproduce(const exact::CellResult& cell, const std::vector<std::string>& knobs) {
@@ -128,6 +132,9 @@ void print_line(const exact::CellResult& cell, const std::string& reproduce) {
              digits(explained), digits(cell.worst_unexplained()), reproduce);
   if (!cell.law.empty()) fmt::print("    law of impact: {}\n", cell.law);
   if (!cell.reason.empty()) fmt::print("    {}\n", cell.reason);
+  if (cell.outcome == "ok" && !cell.no_prediction.empty()) {
+    fmt::print("    no prediction: {}\n", cell.no_prediction);
+  }
   if (cell.bracket && cell.bracket->found) {
     fmt::print("    {} between {:.6g} and {:.6g} {}, exact {:.6g}\n", cell.bracket->parameter,
                cell.bracket->low, cell.bracket->high, cell.bracket->unit, cell.bracket->truth);
@@ -214,6 +221,17 @@ int fit_orders(const std::vector<EngineVariant>& engines, const Catalogues& cata
   return saved ? k_exit_fine : complain(saved.error());
 }
 
+// The start of each case, ID.svg.
+int draw_starts(const std::vector<exact::ExactCase>& cases, const std::string& folder) {
+  std::vector<OutputFile> files;
+  for (const exact::ExactCase& exact_case : cases) {
+    files.push_back(
+        {exact_case.id + ".svg", exact::sketch_svg(exact_case, exact::build(exact_case).value())});
+  }
+  const auto written = write_folder(folder, files);
+  return written ? k_exit_fine : complain(written.error());
+}
+
 int validate(const ValidateOptions& options) {
   const Catalogues catalogues = all_catalogues();
   std::vector<EngineVariant> engines;
@@ -225,7 +243,7 @@ int validate(const ValidateOptions& options) {
       return complain(error.text(), k_exit_bad_input);
     }
   }
-  const auto knobs = parse_knobs(options.knobs);
+  const auto knobs = parse_numbers("--knob", options.knobs);
   if (!knobs) return complain(knobs.error());
   for (const EngineVariant& engine : engines) {
     const Settings settings{.variant = engine.variant, .knobs = *knobs};
@@ -243,6 +261,10 @@ int validate(const ValidateOptions& options) {
     return complain("--knob goes with the table of cases and with --predict only",
                     k_exit_bad_input);
   }
+  if (options.symmetry.empty() && !options.parameters.empty()) {
+    return complain("--parameter is of the scene of --symmetry", k_exit_bad_input);
+  }
+  if (!options.figures.empty()) return draw_starts(cases, options.figures);
   if (!options.out.empty()) {
     if (!options.symmetry.empty() || !options.stable_step.empty() || options.predict) {
       return complain("--out saves the table of cases, or with --order their orders, only",
@@ -251,7 +273,11 @@ int validate(const ValidateOptions& options) {
     if (const auto free = can_make(options.out); !free) return complain(free.error());
   }
   if (!options.symmetry.empty()) {
-    return compare_symmetries(engines, catalogues, options.symmetry, options.json);
+    const auto parameters = parse_numbers("--parameter", options.parameters);
+    if (!parameters) return complain(parameters.error());
+    return compare_symmetries(engines, catalogues, options.symmetry,
+                              ParameterValues(parameters->begin(), parameters->end()),
+                              options.json);
   }
   if (!options.stable_step.empty()) {
     return search_stable_steps(engines, catalogues, options.stable_step, options.json);
@@ -319,12 +345,18 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
                  "Fit the order of convergence of the first observable on a ladder of steps");
   verb->add_option("--symmetry", options->symmetry,
                    "Compare a scene, or all, with its mirrored, turned, shifted and scaled images");
+  verb->add_option("--parameter", options->parameters,
+                   "name=number of the scene of --symmetry; may be repeated")
+      ->expected(1)
+      ->take_all();
   verb->add_option("--stable-step", options->stable_step,
                    "Find the largest step that keeps a scene at rest standing for 2 s");
   verb->add_option("--knob", options->knobs,
                    "name=number of every engine asked for; may be repeated")
       ->expected(1)
       ->take_all();
+  verb->add_option("--figures", options->figures,
+                   "New folder: draw the start of each case as SVG, without running any engine");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->add_option("--out", options->out,
                    "New folder for the table, or with --order the orders; `report` reads it");

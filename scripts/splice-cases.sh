@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # splice-cases.sh [BRICKBENCH [SELECTOR...]]: runs the exact cases and puts each case's table into its
 # section of docs/cases.md, and who was measured when between that page's markers. Without selectors:
-# every engine's default variant and the other laws of ourengine. Each case also gets a figure of the same
-# numbers, docs/figures/cases/ID.svg. Nothing is retyped.
+# every engine's default variant and the other laws of ourengine. Each case also gets a drawing of its start,
+# docs/figures/cases/ID.start.svg, and a figure of the same numbers, ID.svg. Nothing is retyped.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -33,7 +33,11 @@ if [ ! -s "$scratch/lines" ]; then die "validate printed no cases"; fi
 
 awk -F '\t' '
   FNR == NR { lines[$1] = lines[$1] $2 "\n"; next }
-  /^## [a-z_]+\.[a-z0-9_]+:/ { id = $0; sub(/^## /, "", id); sub(/:.*/, "", id) }
+  /^## [a-z_]+\.[a-z0-9_]+:/ {
+    id = $0; sub(/^## /, "", id); sub(/:.*/, "", id)
+    print; print "\n![" id " at its start](figures/cases/" id ".start.svg)"; next
+  }
+  /^!\[.* at its start\]\(figures\/cases\// { getline; next }
   /^\| engine \| / && id != "" {
     if (!(id in lines)) { print "no measurement of " id > "/dev/stderr"; exit 1 }
     print "| engine | verdict | error | explained | unexplained |"
@@ -54,6 +58,10 @@ cat "$scratch/page" >$page
 
 figures=docs/figures/cases
 mkdir -p $figures
+"$program" validate --figures "$scratch/starts" || die "the cases were not drawn"
+for start in "$scratch"/starts/*.svg; do
+  cp "$start" "$figures/$(basename "${start%.svg}").start.svg"
+done
 cut -f 1 "$scratch/lines" | sort -u | while read -r id; do
   awk -F '\t' -v id="$id" '$1 == id { print $2 }' "$scratch/lines" | sed 's/^| //; s/ |$//; s/ | /\t/g' |
     awk -v id="$id" -f scripts/case-figure.awk >"$figures/$id.svg"

@@ -1,10 +1,13 @@
 // The catalogue: complete entries, valid worlds, errors for bad parameters.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <regex>
 #include <set>
 
 #include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/sketch.hpp"
 #include "tests/exact/random_parameters.hpp"
 
 namespace brickbench::exact {
@@ -84,6 +87,50 @@ TEST(Catalog, ThresholdsLieInsideTheirBrackets) {
     EXPECT_TRUE(threshold.low_factor < 1.0 && threshold.high_factor > 1.0) << exact_case.id;
   }
   EXPECT_GE(count, 5);
+}
+
+// Centres of the moving bodies in a drawing, in pixels.
+std::vector<Eigen::Vector2d> centres(const std::string& svg) {
+  static const std::regex dot("<circle cx=\"([-0-9.]+)\" cy=\"([-0-9.]+)\" r=\"2\"");
+  std::vector<Eigen::Vector2d> points;
+  for (std::sregex_iterator it(svg.begin(), svg.end(), dot), end; it != end; ++it) {
+    points.emplace_back(std::stod((*it)[1]), std::stod((*it)[2]));
+  }
+  return points;
+}
+
+TEST(Sketch, ShowsEveryMovingBodyOfEveryCase) {
+  std::string wrong;
+  for (const ExactCase& exact_case : exact_cases()) {
+    const ExactRun run = build(exact_case).value();
+    const std::string svg = sketch_svg(exact_case, run);
+    const auto points = centres(svg);
+    const auto moving = std::ranges::count(run.world.bodies, false, &Body::fixed);
+    const bool inside = std::ranges::all_of(points, [](const Eigen::Vector2d& p) {
+      return p.x() > 0.0 && p.x() < 720.0 && p.y() > 0.0 && p.y() < 230.0;
+    });
+    const bool numbers = svg.find("nan") == std::string::npos && svg.find("inf ") == svg.npos;
+    if (std::ssize(points) != moving || !inside || !numbers) wrong += exact_case.id + ' ';
+  }
+  EXPECT_EQ(wrong, "");
+}
+
+// Two balls in a row: the drawing keeps their order and the ratio of distance and radius.
+TEST(Sketch, IsToScale) {
+  const ExactCase exact_case = testing::find_case("impact.central_spheres");
+  ExactRun run = build(exact_case).value();
+  run.world.bodies[1].initial.position_m.x() += 0.1;
+  const std::string svg = sketch_svg(exact_case, run);
+  const auto points = centres(svg);
+  ASSERT_EQ(points.size(), 2u);
+  static const std::regex ball("r=\"([0-9.]+)\" fill=\"#3b82c4\"");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(svg, found, ball));
+  const double distance_m =
+      run.world.bodies[1].initial.position_m.x() - run.world.bodies[0].initial.position_m.x();
+  const double radius_m = std::get<SphereShape>(run.world.bodies[0].shape).radius_m;
+  // A tenth of a pixel is what the drawing rounds to.
+  EXPECT_NEAR((points[1] - points[0]).x() / std::stod(found[1]), distance_m / radius_m, 0.01);
 }
 
 }  // namespace

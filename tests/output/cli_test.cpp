@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -151,6 +152,53 @@ TEST_F(Program, AFailedCellIsExitOneWithAllRows) {
   EXPECT_EQ(json["cells"][0]["outcome"], "timed_out");
   EXPECT_TRUE(json["rows"][0]["value"].is_null());
   EXPECT_TRUE(fs::exists(folder_ / "x" / "rows.csv"));
+}
+
+// A solver that stops at 1 % leaves more unexplained than the bound allows.
+TEST_F(Program, ValidateSavesItsTableAndFailsBeyondTheBound) {
+  const auto known = adapters();
+  if (std::ranges::none_of(known, &Adapter::own)) GTEST_SKIP() << "no engine of ours is linked";
+  const std::string engine = std::ranges::find(known, true, &Adapter::own)->name;
+  const std::string asked = "validate --engine " + engine + " --case impact.small_on_big";
+  const Answer fine = ask(asked + " --out " + path("fine"));
+  EXPECT_EQ(fine.code, 0) << fine.out << fine.err;
+  const Answer loose = ask(asked + " --knob tolerance=1e-2 --json --out " + path("loose"));
+  EXPECT_EQ(loose.code, 1) << loose.err;
+
+  const auto saved = nlohmann::json::parse(*read_file(folder_ / "loose" / "validation.json"));
+  EXPECT_EQ(saved["failed"], 1);
+  EXPECT_EQ(saved["exit_code"], 1);
+  const auto& cell = saved["cells"][0];
+  EXPECT_EQ(cell["case"], "impact.small_on_big");
+  EXPECT_TRUE(cell["failed"]);
+  EXPECT_GT(cell["scores"][0]["unexplained"].get<double>(), cell["bound"].get<double>());
+  EXPECT_NE(cell["reproduce"].get<std::string>().find("--knob tolerance=1e-2"), std::string::npos);
+  // What the live engine held, not what was meant.
+  EXPECT_NE(saved["engines"].dump().find(R"("name":"tolerance","unit":"1","value":"0.01")"),
+            std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(loose.out)["cells"], saved["cells"]);
+  const auto provenance = nlohmann::json::parse(*read_file(folder_ / "loose" / "provenance.json"));
+  EXPECT_NE(provenance.dump().find("impact.small_on_big"), std::string::npos);
+
+  const std::string before = *read_file(folder_ / "fine" / "validation.json");
+  const Answer again = ask(asked + " --out " + path("fine"));
+  EXPECT_EQ(again.code, 2) << again.err;
+  EXPECT_NE(again.err.find("exists already"), std::string::npos) << again.err;
+  EXPECT_EQ(*read_file(folder_ / "fine" / "validation.json"), before);
+}
+
+TEST_F(Program, ValidateDrawsCasesAndRefusesUnknownKnobs) {
+  EXPECT_EQ(ask("validate --case 'impact.*' --figures " + path("starts")).code, 0);
+  const auto svg = read_file(folder_ / "starts" / "impact.cradle.svg");
+  ASSERT_TRUE(svg);
+  EXPECT_TRUE(svg->starts_with("<svg "));
+  EXPECT_EQ(ask("validate --case 'impact.*' --figures " + path("starts")).code, 2);
+  const Answer form = ask("validate --knob tolerance");
+  EXPECT_EQ(form.code, 2);
+  EXPECT_NE(form.err.find("name=number"), std::string::npos) << form.err;
+  const Answer name = ask("validate --knob no_such_knob=1");
+  EXPECT_EQ(name.code, 2);
+  EXPECT_NE(name.err.find("no_such_knob"), std::string::npos) << name.err;
 }
 
 TEST_F(Program, ListsAreArraysOfObjectsWithIds) {
