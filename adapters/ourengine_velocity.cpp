@@ -83,6 +83,7 @@ std::vector<Diagnostic> diagnostics_of(const engine::StepReport& report) {
           {"iterations", "1", double(report.iterations)},
           {"factorisations", "1", double(report.factorisations)},
           {"passes", "1", double(report.passes)},
+          {"overlap_left_m", "m", report.overlap_left_m},
           {"unsolved", "1", report.status == engine::SolveStatus::kSolved ? 0.0 : 1.0}};
 }
 

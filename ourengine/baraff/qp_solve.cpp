@@ -29,7 +29,6 @@ class Dantzig {
  public:
   Dantzig(const SparseMatrix& a_matrix, const Eigen::VectorXd& b, double regular)
       : a_matrix_(a_matrix),
-        regular_(regular),
         b_(b),
         unregular_(a_matrix.diagonal()),
         diagonal_((1.0 + regular) * unregular_),
@@ -250,7 +249,6 @@ class Dantzig {
   }
 
   const SparseMatrix& a_matrix_;
-  double regular_;  // 0, or the share of the diagonal that is added to it
   const Eigen::VectorXd& b_;
   Eigen::VectorXd unregular_, diagonal_;
   ClampedFactor factor_;

@@ -140,8 +140,7 @@ void BroadPhase::rebuild() {
     }
   }
   std::ranges::sort(pairs_);
-  const auto repeated = std::ranges::unique(pairs_);
-  pairs_.erase(repeated.begin(), repeated.end());
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
 }
 
 }  // namespace ourengine

@@ -111,4 +111,14 @@ void ContactSet::update(std::span<const Motion> motions, std::span<const double>
   }
 }
 
+void ContactSet::add(std::span<const ContactPoint> late) {
+  for (ContactPoint point : late) {
+    point.id = next_id_++;
+    points_.push_back(point);
+  }
+  std::ranges::stable_sort(points_, [](const ContactPoint& x, const ContactPoint& y) {
+    return before(x, y.body_a, y.body_b);
+  });
+}
+
 }  // namespace ourengine

@@ -35,6 +35,11 @@ class ContactSet {
   // move in this step. Impulses of persisting points are carried over.
   void update(std::span<const Motion> motions, std::span<const double> reach_m, double step_s);
 
+  // Adds points that only show where the bodies get to; points() stays in the order of the pairs.
+  void add(std::span<const ContactPoint> late);
+  // Pairs that may have come close within the reach of the last update().
+  std::span<const BodyPair> pairs() const { return broad_phase_.pairs(); }
+
   std::span<const ContactPoint> points() const { return points_; }
   std::span<ContactPoint> points() { return points_; }
 

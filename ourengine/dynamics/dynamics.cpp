@@ -9,6 +9,10 @@ namespace {
 // A body set moving by an impact may reach others that were too far away when the step began: the
 // contacts are then looked up again, at most so many times.
 constexpr int k_pass_limit = 4;
+// Contacts of the step's end are added at most so many times.
+constexpr int k_look_limit = 4;
+// Of the margin: new overlaps below this are left to the next step.
+constexpr double k_look_tolerance = 0.1;
 // Room for the solution of the next pass to be a little faster still.
 constexpr double k_reach_growth = 1.25;
 
@@ -61,7 +65,12 @@ const StepReport& Dynamics::step() {
     state_problem();
     solve();
   } while (widen_reach() && report_.passes < k_pass_limit);
-  integrate();
+  for (int looks = 0; look_ahead() && looks < k_look_limit; ++looks) {
+    contacts_.add(late_);
+    state_problem();
+    solve();
+  }
+  std::swap(motions_, ends_);
   std::ranges::fill(loads_, Load{});
   return report_;
 }
@@ -182,16 +191,17 @@ bool Dynamics::widen_reach() {
   return missed;
 }
 
-void Dynamics::integrate() {
+std::vector<Motion> Dynamics::ends() const {
   std::vector<bool> in_contact(bodies_.size(), false);
   for (std::size_t k = 0; k < problem_.contacts.size(); ++k) {
     if (solution_.impulse_ns[k].isZero(0.0)) continue;
     in_contact[static_cast<std::size_t>(problem_.contacts[k].body_a)] = true;
     in_contact[static_cast<std::size_t>(problem_.contacts[k].body_b)] = true;
   }
+  std::vector<Motion> ends = motions_;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (bodies_[i].fixed) continue;
-    Motion& motion = motions_[i];
+    Motion& motion = ends[i];
     const Eigen::Vector3d velocity = solution_.velocity[i].head<3>();
     motion.position_m +=
         options_.step_s * (in_contact[i] ? velocity : 0.5 * (motion.velocity_mps + velocity));
@@ -204,6 +214,56 @@ void Dynamics::integrate() {
     motion.attitude = rotate(options_.rotation, motion.attitude, bodies_[i].inertia_kgm2,
                              motion.angular_momentum_kgm2ps, options_.step_s);
   }
+  return ends;
+}
+
+// Finds where the solution brings the bodies, and which of the pairs that move noticeably overlap
+// there though no contact forbids it: late_ gets those contacts. True if there are any. Each is
+// stated so that its gap is exact at the solution found: gap + dt J (v - v+), with the point
+// midway between where it is on the one body and on the other at the start, so that the impulses
+// on both act along one line and the angular momentum is kept.
+bool Dynamics::look_ahead() {
+  ends_ = ends();
+  report_.overlap_left_m = 0.0;
+  const double dt = options_.step_s;
+  late_.clear();
+  for (const BodyPair& pair : contacts_.pairs()) {
+    const auto a = static_cast<std::size_t>(pair.first);
+    const auto b = static_cast<std::size_t>(pair.second);
+    if (reach_m_[a] + reach_m_[b] <= options_.margin_m) continue;
+    const Manifold manifold = collide(bodies_[a], ends_[a], bodies_[b], ends_[b], 0.0);
+    for (int p = 0; p < manifold.count; ++p) {
+      const ManifoldPoint& end = manifold.points[static_cast<std::size_t>(p)];
+      const auto moved = [&](std::size_t body) {
+        const Velocity6& v = solution_.velocity[body];
+        return Eigen::Vector3d(
+            dt * (v.head<3>() + v.tail<3>().cross(end.position_m - ends_[body].position_m)));
+      };
+      const Eigen::Vector3d moved_a = moved(a), moved_b = moved(b);
+      ContactPoint point;
+      point.body_a = pair.first;
+      point.body_b = pair.second;
+      point.normal = manifold.normal;
+      point.position_m = end.position_m - 0.5 * (moved_a + moved_b);
+      point.anchor_m = ends_[b].attitude.conjugate() * (end.position_m - ends_[b].position_m);
+      const auto speed = [&](std::size_t body) {
+        const Velocity6& v = solution_.velocity[body];
+        return Eigen::Vector3d(v.head<3>() +
+                               v.tail<3>().cross(point.position_m - motions_[body].position_m));
+      };
+      const double opened_m = dt * point.normal.dot(speed(b) - speed(a));
+      point.gap_m = end.gap_m - opened_m;
+      // An overlap from before is undone over several steps; only what is beyond that counts.
+      const double undone_m =
+          std::min(-options_.overlap_recovery * point.gap_m, options_.recovery_limit_mps * dt);
+      const double allowed_m = std::min(0.0, point.gap_m + undone_m);
+      const double deeper_m = allowed_m - end.gap_m;
+      if (deeper_m <= k_look_tolerance * options_.margin_m) continue;
+      report_.overlap_left_m = std::max(report_.overlap_left_m, deeper_m);
+      late_.push_back(point);
+    }
+  }
+  return !late_.empty();
 }
 
 }  // namespace ourengine

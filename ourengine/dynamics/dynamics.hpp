@@ -7,6 +7,12 @@
 //   x+     = x + dt (v + v+) / 2            for a body in free flight: the exact parabola
 //   q+     by the rotation scheme, with the spatial angular momentum L+ of the solution
 //
+// Where bodies turn or slide far within the step, the features that meet at its end are not those
+// that faced each other at its start. Pairs that would then overlap get the contacts of the end as
+// well, linearised about it, and the problem is solved again: sequential linearisation of the gap
+// (M. Anitescu, G. D. Hart, A constraint-stabilized time-stepping approach for rigid multibody
+// dynamics with joints, contact and friction, Int. J. Numer. Methods Eng. 60 (2004)).
+//
 // Source of the scheme: J. J. Moreau, Numerical aspects of the sweeping process, Comput. Methods
 // Appl. Mech. Eng. 177 (1999); D. E. Stewart, J. C. Trinkle, An implicit time-stepping scheme for
 // rigid body dynamics, Int. J. Numer. Methods Eng. 39 (1996). Departures: contacts are found before
@@ -50,6 +56,8 @@ struct StepReport {
   int iterations = 0;
   int factorisations = 0;
   int passes = 1;  // contact problems solved: more than 1 where impacts set bodies moving
+  // Deepest new overlap (m) at the step's end that the last pass still left; 0 if below tolerance.
+  double overlap_left_m = 0.0;
   SolveStatus status = SolveStatus::kSolved;
   std::string method;
 };
@@ -94,7 +102,8 @@ class Dynamics {
   WarmStart warm_start() const;
   void solve();
   bool widen_reach();
-  void integrate();
+  bool look_ahead();
+  std::vector<Motion> ends() const;
   Eigen::Matrix3d world_inertia(std::size_t body) const;
 
   std::vector<BodyModel> bodies_;
@@ -106,6 +115,8 @@ class Dynamics {
   std::vector<double> reach_m_;
   ContactProblem problem_;
   ContactSolution solution_;
+  std::vector<Motion> ends_;  // where the last solution brings the bodies
+  std::vector<ContactPoint> late_;
   std::unique_ptr<SolverMemory> memory_;
   StepReport report_;
 };

@@ -104,7 +104,23 @@ TEST(Dynamics, ContactImpulsesCarryTheWeight) {
       worst.within({"ground impulse over weight", 5e-10, 3.8e-11, "the solver's residual"}));
 }
 
-// Seen from the gaps that the bodies have when they meet; 20 m/s moves 83 mm a step.
+// Deepest overlap of any two bodies where they are, m >= 0.
+double deepest_overlap_m(const Dynamics& dynamics) {
+  double deepest = 0.0;
+  const auto bodies = dynamics.bodies();
+  const auto motions = dynamics.motions();
+  for (std::size_t a = 0; a < bodies.size(); ++a) {
+    for (std::size_t b = a + 1; b < bodies.size(); ++b) {
+      const Manifold manifold = collide(bodies[a], motions[a], bodies[b], motions[b], 0.0);
+      for (int p = 0; p < manifold.count; ++p)
+        deepest = std::max(deepest, -manifold.points[static_cast<std::size_t>(p)].gap_m);
+    }
+  }
+  return deepest;
+}
+
+// 20 m/s moves 83 mm a step, 200 m/s moves 0.83 m; the bricks turn and slide over each other within
+// it. Observed: 0.16 and 0.02 mm; without the contacts of the step's end 23 mm at 200 m/s.
 TEST(Dynamics, FastBricksNeverPassAndHardlyPenetrate) {
   for (const double speed_mps : {20.0, 200.0}) {
     Wall wall = running_bond(3, 3);
@@ -112,15 +128,14 @@ TEST(Dynamics, FastBricksNeverPassAndHardlyPenetrate) {
     DynamicsOptions options = exact(1.0 / 240);
     options.solve.tolerance = 1e-6;
     Dynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}), options);
-    double deepest = 0.0;
+    double deepest_m = 0.0;
     const std::size_t thrown = wall.bodies.size() - 1;
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 60; ++i) {
       dynamics.step();
-      for (const ContactPoint& point : dynamics.contacts())
-        deepest = std::min(deepest, point.gap_m);
+      deepest_m = std::max(deepest_m, deepest_overlap_m(dynamics));
     }
     EXPECT_LT(dynamics.motions()[thrown].velocity_mps.y(), 0.9 * speed_mps) << "it flew through";
-    EXPECT_GT(deepest, speed_mps == 20.0 ? -1e-3 : -0.1) << "m of overlap at " << speed_mps;
+    EXPECT_LT(deepest_m, 1e-3) << "m of overlap at " << speed_mps << " m/s";
   }
 }
 
