@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "cli/browser.hpp"
 #include "cli/replay_depths.hpp"
@@ -55,16 +56,6 @@ Expected<std::string> image_bytes(const nlohmann::json& url) {
   return std::string(bytes->begin(), bytes->end());
 }
 
-// Longer names keep their beginning and get the scene's number: file systems take 255 bytes, and
-// the view and the kind come after it.
-constexpr std::size_t k_longest_name = 120;
-
-std::string file_name(const std::string& scene, std::size_t index) {
-  const std::string id = file_id(scene);
-  if (id.size() <= k_longest_name) return id;
-  return fmt::format("{}-{}", id.substr(0, k_longest_name), index);
-}
-
 class Renderer {
  public:
   Renderer(Browser& browser, const RenderOptions& options, std::string ffmpeg, fs::path folder)
@@ -78,6 +69,7 @@ class Renderer {
     auto scenes = browser_.evaluate("brickbench.data.scenes.map((s) => s.name)");
     if (!scenes) return tl::unexpected(scenes.error());
     std::vector<std::size_t> wanted;
+    std::set<std::string> names;
     std::string known;
     for (std::size_t scene = 0; scene < scenes->size(); ++scene) {
       const std::string name = (*scenes)[scene].get<std::string>();
@@ -90,7 +82,8 @@ class Renderer {
     Progress progress(wanted.size() * options_.views.size());
     std::vector<OutputFile> files;
     for (const std::size_t scene : wanted) {
-      const std::string name = file_name((*scenes)[scene].get<std::string>(), scene);
+      std::string name = file_id((*scenes)[scene].get<std::string>());
+      if (!names.insert(name).second) name += fmt::format("-{}", scene + 1);
       for (const std::string& view : options_.views) {
         progress.begin(name + ' ' + view);
         if (auto ok = one(scene, name + '-' + view, view, progress, files); !ok) {

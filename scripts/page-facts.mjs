@@ -42,7 +42,7 @@ async function measureReplay(page) {
     clock.speed = clock.end / 8;
     clock.play(true);
     const wait = (ms) => new Promise((done) => setTimeout(done, ms));
-    await wait(1000);  // the resolution settles
+    await wait(3000);  // the resolution settles
     const [frames, began] = [stage.frames, performance.now()];
     await wait(5000);
     const fps = (stage.frames - frames) / ((performance.now() - began) / 1000);

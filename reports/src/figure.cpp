@@ -57,6 +57,9 @@ std::string file_id(const std::string& text) {
     else if (id.empty() || id.back() != '-')
       id += '-';
   }
+  if (id.size() > k_longest_id) {
+    id = id.substr(0, k_longest_id / 2 - 1) + "--" + id.substr(id.size() - k_longest_id / 2 + 1);
+  }
   return id.empty() ? "figure" : id;
 }
 

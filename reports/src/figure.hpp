@@ -41,6 +41,9 @@ struct Figure {
   std::vector<Curve> curves;
 };
 
+// File systems take names of 255 bytes; what is longer than this keeps its beginning and its end.
+inline constexpr std::size_t k_longest_id = 140;
+
 // Characters other than letters, digits, '_' and '-' become '-'; never empty.
 std::string file_id(const std::string& text);
 

@@ -221,6 +221,14 @@ const tests = {
     await close();
   },
 
+  async "lists the licences of what it embeds"() {
+    const { page, close } = await open("hostile");
+    const text = await page.locator("details", { hasText: "Licences of the scripts" }).locator("pre").textContent();
+    for (const module of ["three", "uplot"]) assert.match(text, new RegExp(`^${module}$`, "mi"));
+    assert.ok(text.match(/Permission is hereby granted/g).length >= 2, "a licence is missing");
+    await close();
+  },
+
   async "shows hostile texts as texts"() {
     const { page, complaints, requests, close } = await open("hostile");
     await page.evaluate(() => window.brickbench.drawAllPlots());

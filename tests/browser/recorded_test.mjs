@@ -59,7 +59,19 @@ const hit = await pixels();
 assert.ok(share(start, hit) > 0.002, "the hit moved nothing");
 await page.getByRole("button", { name: "contact points" }).click();
 assert.ok(share(hit, await pixels()) > 0.0005, "no contact points");
+await page.getByRole("button", { name: "contact points" }).click();
 console.log("ok   shows contact points");
+
+// Depths are computed when the page is made: no more than a brick is thick, and of some brick at the hit.
+const depths = await page.evaluate(() => window.brickbench.ready.then(({ stage }) =>
+  stage.views.map(({ run }) => run.penetrations && run.penetrations.reduce((a, b) => Math.max(a, b), 0))));
+for (const depth of depths) assert.ok(depth >= 0 && depth < 0.11, `${depth} m deep`);
+assert.ok(depths.some((depth) => depth > 1e-4), `nobody sinks in: ${depths}`);
+await page.getByLabel("colour by").selectOption("penetration");
+assert.ok(share(hit, await pixels()) > 0.01, "no colour by penetration");
+assert.match(await page.locator(".legend").textContent(), /^0.* m$/);
+await page.getByLabel("colour by").selectOption("material");
+console.log(`ok   colours by penetration, up to ${depths.map((d) => (1e3 * d).toFixed(2)).join(", ")} mm`);
 await page.screenshot({ path: join(out, "page.png") });
 const facts = await page.locator("#replay .quiet").textContent();
 assert.match(facts, new RegExp(`^${recorded.length} of ${recorded.length} recorded cells; 51 of up to 51 recorded frames`));

@@ -189,6 +189,14 @@ TEST(Page, NamesScenesByWhatTellsThemApart) {
   EXPECT_EQ(SceneNames(std::span(blocks).first(1)).brief(scene_label(blocks.front())), "wall");
 }
 
+TEST(Page, LongNamesKeepTheirBeginningAndEnd) {
+  const std::string id = file_id("time-" + std::string(300, 'x') + "-17-total_energy_j");
+  EXPECT_EQ(id.size(), k_longest_id);
+  EXPECT_TRUE(id.starts_with("time-xxx"));
+  EXPECT_TRUE(id.ends_with("-17-total_energy_j"));
+  EXPECT_EQ(file_id(std::string(k_longest_id, 'x')), std::string(k_longest_id, 'x'));
+}
+
 // Who is ahead by rounding only is not ahead.
 TEST(Page, RoundingIsNoVictory) {
   ReportSource input = source("rounding", "friction=0.5", 1e-12);
