@@ -121,7 +121,10 @@ int compare_folders(const CompareOptions& options) {
   else
     print_tables(comparison, ensembles, options.rows);
   const bool differs = comparison.beyond_noise > 0 || !comparison.only_in_a.empty() ||
-                       !comparison.only_in_b.empty() || comparison.compared == 0;
+                       !comparison.only_in_b.empty() || comparison.compared == 0 ||
+                       std::ranges::any_of(ensembles.pairs, [](const EnsemblePair& pair) {
+                         return pair.verdict.word == EnsembleWord::different;
+                       });
   return differs ? k_exit_failed_case : k_exit_fine;
 }
 
