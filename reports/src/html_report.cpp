@@ -32,6 +32,9 @@ constexpr std::array<std::string_view, 6> k_first_curves = {
     "kinetic_energy_j", "total_energy_j", "penetration_m",
     "displaced_count",  "contacts_now",   "linear_momentum_y_ns"};
 
+// Figures of exact cases: as many are shown, the others wait as well.
+constexpr std::size_t k_most_cases = 6;
+
 bool comes_first(const Figure& figure) {
   return !figure.over_time ||
          std::ranges::find(k_first_curves, figure.heading) != k_first_curves.end();
@@ -52,16 +55,19 @@ std::string figures_html(const std::vector<Figure>& figures, const SceneNames& n
     const bool any_first = std::any_of(from, to, comes_first);
     std::string first;
     std::string rest;
+    std::size_t shown = 0;
     std::size_t waiting = 0;
     for (; from != to; ++from) {
-      const bool now = !any_first || comes_first(*from);
+      const bool fits = !from->scene.empty() || shown < k_most_cases;
+      const bool now = (!any_first || comes_first(*from)) && fits;
+      shown += now ? 1U : 0U;
       waiting += now ? 0U : 1U;
       (now ? first : rest) += html_figure(*from, draw_svg);
     }
     out += grid(first);
     if (waiting > 0) {
       out +=
-          fmt::format("<details class=\"more\"><summary>{} more curves</summary>\n{}</details>\n",
+          fmt::format("<details class=\"more\"><summary>{} more figures</summary>\n{}</details>\n",
                       waiting, grid(rest));
     }
   }

@@ -26,8 +26,11 @@ std::string swatch(const std::string& label, const Palette& palette) {
   return fmt::format("<i class=\"swatch\" style=\"background:{}\"></i>", palette_colour(index));
 }
 
-// Long names may break after an underscore.
+// Names up to this keep to one line; longer ones may break after an underscore.
+constexpr std::size_t k_one_line = 20;
+
 std::string breakable(const std::string& text) {
+  if (text.size() <= k_one_line) return escape_markup(text);
   std::string out;
   for (const char c : escape_markup(text)) {
     out += c;
@@ -80,7 +83,8 @@ std::string text_table(const Table& table, const Palette& palette) {
       const std::string text = breakable(row[i].text);
       const std::string label = row[i].text.substr(0, row[i].text.find(": "));
       const std::string colour = swatch(label.substr(0, label.find(" and ")), palette);
-      out += i == 0 ? fmt::format("<th scope=\"row\"><span{}>{}{}</span></th>",
+      const char* width = row[i].text.size() <= k_one_line ? " class=\"tight\"" : "";
+      out += i == 0 ? fmt::format("<th scope=\"row\"{}><span{}>{}{}</span></th>", width,
                                   again ? " class=\"again\"" : "", colour, text)
                     : fmt::format("<td{} data-label=\"{}\">{}{}</td>", class_of(row[i]),
                                   escape_markup(table.header[i]), colour, text);
