@@ -92,11 +92,6 @@ bool draw_pdfs(const std::string& gnuplot, const fs::path& figures,
 
 }  // namespace
 
-int complain_of(const Failure& failure) {
-  fmt::print(stderr, "brickbench: {}\n", failure.reason);
-  return failure.fault == Fault::invalid ? k_exit_bad_input : k_exit_infrastructure;
-}
-
 Expected<std::vector<ReportSource>> read_sources(const std::vector<std::string>& folders) {
   std::vector<ReportSource> sources;
   for (const std::string& folder : folders) {

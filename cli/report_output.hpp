@@ -8,9 +8,6 @@
 
 namespace brickbench {
 
-// Prints the reason; bad input or infrastructure as exit code.
-int complain_of(const Failure& failure);
-
 Expected<std::vector<ReportSource>> read_sources(const std::vector<std::string>& folders);
 
 // Writes the files into a new folder that appears whole or not at all.

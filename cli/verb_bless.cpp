@@ -74,6 +74,7 @@ int bless(const BlessOptions& options) {
   const Machine machine = this_machine();
   const gate::Blessing blessing{options.reason, now_utc(), machine.revision, machine.label(),
                                 machine.compiler};
+  std::size_t suites = 0;
   std::size_t changed = 0;
   for (const auto& entry : std::filesystem::directory_iterator(options.from)) {
     if (!entry.is_directory()) continue;
@@ -82,6 +83,14 @@ int bless(const BlessOptions& options) {
         bless_suite(entry.path(), std::filesystem::path(options.reference) / suite, blessing);
     if (!count) return complain(count.error());
     changed += *count;
+    ++suites;
+  }
+  if (suites == 0) {
+    return complain(
+        fmt::format("--from {}: holds no suite; give the folder that check printed, which "
+                    "has one folder per suite",
+                    options.from),
+        k_exit_bad_input);
   }
   fmt::print("{} references changed. Commit them with the change that caused them.\n", changed);
   return k_exit_fine;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "cli/complain.hpp"
 #include "cli/ensemble_verdicts.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
@@ -94,7 +95,7 @@ std::pair<std::string, std::string> short_labels(const std::string& a, const std
 
 int compare_folders(const CompareOptions& options) {
   const auto sources = read_sources({options.a, options.b});
-  if (!sources) return complain_of(sources.error());
+  if (!sources) return complain(sources.error());
   const Comparison comparison = compare(sources->front(), sources->back());
   const auto [label_a, label_b] = short_labels(options.a, options.b);
   Ensembles ensembles = ensembles_between(sources->front(), sources->back(), label_a, label_b);
@@ -112,7 +113,7 @@ int compare_folders(const CompareOptions& options) {
         {"index.html", page(options.a + " -> " + options.b, body, "", assets)},
         {"compare.md", markdown}};
     std::ranges::move(ensemble_files(ensembles, palette, ""), std::back_inserter(files));
-    if (auto ok = write_folder(options.out, files); !ok) return complain_of(ok.error());
+    if (auto ok = write_folder(options.out, files); !ok) return complain(ok.error());
   }
   if (options.json)
     print_json(comparison);

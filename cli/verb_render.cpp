@@ -8,6 +8,7 @@
 #include <set>
 
 #include "cli/browser.hpp"
+#include "cli/complain.hpp"
 #include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
@@ -212,13 +213,14 @@ Expected<std::vector<OutputFile>> draw(const RenderOptions& options) {
 
 int render(const RenderOptions& options) {
   if (fs::exists(fs::symlink_status(options.out))) {
-    return complain_of({Fault::invalid, fmt::format("'{}' exists already; nothing is written over, "
-                                                    "name a new folder",
-                                                    options.out)});
+    return complain(
+        Failure{Fault::invalid, fmt::format("'{}' exists already; nothing is written over, "
+                                            "name a new folder",
+                                            options.out)});
   }
   const auto files = draw(options);
-  if (!files) return complain_of(files.error());
-  if (auto ok = write_folder(options.out, *files); !ok) return complain_of(ok.error());
+  if (!files) return complain(files.error());
+  if (auto ok = write_folder(options.out, *files); !ok) return complain(ok.error());
   auto json = nlohmann::ordered_json::array();
   for (const OutputFile& file : *files) {
     json.push_back({{"id", file.name}, {"bytes", file.content.size()}});

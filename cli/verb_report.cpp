@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/complain.hpp"
 #include "cli/ensemble_verdicts.hpp"
 #include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
@@ -21,7 +22,7 @@ struct ReportVerbOptions {
 
 int report(const ReportVerbOptions& options) {
   auto sources = read_sources(options.folders);
-  if (!sources) return complain_of(sources.error());
+  if (!sources) return complain(sources.error());
   fold_validations(*sources);
   add_replay_depths(*sources, options.replay_frames);
   ReportOptions how{.replay_frames = options.replay_frames};
@@ -32,7 +33,7 @@ int report(const ReportVerbOptions& options) {
   const auto files = report_files(*sources, page_assets(), how);
   const std::vector<Figure> figures = report_figures(*sources);
   const auto written = write_report(options.out, files, figures, !options.no_pdf);
-  if (!written) return complain_of(written.error());
+  if (!written) return complain(written.error());
   if (!page_assets().missing.empty()) {
     fmt::print(stderr, "brickbench: static figures and no 3D view: {}\n", page_assets().missing);
   }

@@ -141,6 +141,13 @@ TEST_F(Program, BadInputIsExitTwoWithAReasonAndLeavesNothing) {
   EXPECT_EQ(files(), before);
 }
 
+TEST_F(Program, BlessSaysWhereThereIsNothingToBless) {
+  for (const char* name : {"CI", "GITHUB_ACTIONS"}) ::unsetenv(name);  // there it is refused anyway
+  const Answer answer = ask("bless --reason why --from " + folder_.string());
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_NE(answer.err.find("holds no suite"), std::string::npos) << answer.err;
+}
+
 TEST_F(Program, AFailedCellIsExitOneWithAllRows) {
   if (!any_engine()) GTEST_SKIP() << "no engine is linked";
   const Answer answer = ask("run " + put("plan.toml", k_plan) +
