@@ -22,7 +22,6 @@ namespace brickbench {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int k_most_attempts = 3;  // at a cell that is killed from outside
 constexpr int k_tick_ms = 100;
 // The answer of a cell's process begins with one of these.
 constexpr char k_written = 'w';
@@ -256,7 +255,7 @@ class Pool {
       report(number, outcome, std::string(answer.substr(line + 1)), ended.wall_s, false);
       return {};
     }
-    if (ended.from_outside && attempts_[number] < k_most_attempts) {
+    if (ended.from_outside && attempts_[number] < options_.attempts) {
       // Last in the queue, for the trouble to pass.
       waiting_.push_back(number);
       claims_.give_back(number);
@@ -275,7 +274,7 @@ class Pool {
     }
     if (ended.from_outside) {
       reason = fmt::format("{} in each of {} attempts; if nobody sent it, memory had run out",
-                           ended.failure.reason, k_most_attempts);
+                           ended.failure.reason, options_.attempts);
     }
     CellResult result = failed_cell(cell, catalogues_, origin_,
                                     std::string(to_outcome(ended.failure.fault)), reason);

@@ -16,6 +16,7 @@ struct SweepOptions {
   Shard shard = {};
   bool retry_failed = false;
   Limits limits = {};
+  int attempts = 3;  // at a cell whose process is killed from outside
 };
 
 struct SweepCallbacks {
@@ -45,7 +46,7 @@ struct SweepSummary {
 // Runs what is missing of the shard. `cells` are those of the sweep, in the same order. Any number
 // of processes may work on the same folder: a cell that another one runs is left to it, and
 // taken over if that one dies. A cell whose process is killed from outside is started again, up to
-// three times in all. Whatever else happens to it is its result.
+// options.attempts times in all. Whatever else happens to it is its result.
 //
 // Stops at SIGINT, SIGTERM and SIGHUP: running cells are killed and have no result.
 // Fault::crashed if the disk or the system refuses; what is done so far stays.
