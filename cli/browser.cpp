@@ -26,7 +26,8 @@ tl::unexpected<Failure> broken(const std::string& reason) {
   return fail(Fault::crashed, "the browser " + reason);
 }
 
-std::vector<std::string> command_line(const std::string& program, const std::string& profile) {
+std::vector<std::string> command_line(const std::string& program, const std::string& profile,
+                                      bool sandbox) {
   std::vector<std::string> words = {program,
                                     "--headless=new",
                                     "--remote-debugging-pipe",
@@ -37,8 +38,7 @@ std::vector<std::string> command_line(const std::string& program, const std::str
                                     "--disable-background-networking",
                                     "--hide-scrollbars",
                                     "--user-data-dir=" + profile};
-  // Chromium refuses its sandbox to root.
-  if (::geteuid() == 0) words.emplace_back("--no-sandbox");
+  if (!sandbox) words.emplace_back("--no-sandbox");
   words.emplace_back("about:blank");
   return words;
 }
@@ -62,6 +62,16 @@ std::vector<std::string> command_line(const std::string& program, const std::str
 }  // namespace
 
 Expected<std::unique_ptr<Browser>> Browser::start(const std::string& program) {
+  // Chromium refuses its sandbox to root, and has none where the system gives no user namespaces,
+  // as in many containers. What it opens here is a page of ours from the disk.
+  if (::geteuid() == 0) return start(program, false);
+  auto browser = start(program, true);
+  if (browser) return browser;
+  fmt::print(stderr, "brickbench: the browser does not start in its sandbox; trying without\n");
+  return start(program, false);
+}
+
+Expected<std::unique_ptr<Browser>> Browser::start(const std::string& program, bool sandbox) {
   std::unique_ptr<Browser> browser(new Browser);
   std::string pattern = (std::filesystem::temp_directory_path() / "brickbench-XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) return broken("got no folder for its profile");
@@ -77,7 +87,9 @@ Expected<std::unique_ptr<Browser>> Browser::start(const std::string& program) {
   browser->from_ = back[0];
   browser->process_ = ::fork();
   if (browser->process_ < 0) return broken("could not be started");
-  if (browser->process_ == 0) become(command_line(program, pattern), there[0], back[1]);
+  if (browser->process_ == 0) {
+    become(command_line(program, pattern, sandbox), there[0], back[1]);
+  };
   ::close(there[0]);
   ::close(back[1]);
   if (auto ok = browser->call("Browser.getVersion", Json::object()); !ok) {

@@ -13,8 +13,8 @@ namespace brickbench {
 
 class Browser {
  public:
-  // Starts `program` with software GL and a profile folder of its own. Fault::crashed if it does
-  // not answer.
+  // Starts `program` with software GL and a profile folder of its own; without its sandbox where
+  // that is refused, and says so. Fault::crashed if it does not answer.
   static Expected<std::unique_ptr<Browser>> start(const std::string& program);
   ~Browser();
   Browser(const Browser&) = delete;
@@ -29,6 +29,7 @@ class Browser {
 
  private:
   Browser() = default;
+  static Expected<std::unique_ptr<Browser>> start(const std::string& program, bool sandbox);
   Expected<nlohmann::json> call(const std::string& method, const nlohmann::json& parameters);
   Expected<nlohmann::json> receive();
 
