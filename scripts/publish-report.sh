@@ -65,6 +65,9 @@ rm -r "$scratch/report/figures"
 mv "$scratch/validation.csv" "$scratch/report/"
 
 cp "$results/run/"{plan.toml,provenance.json,rows.csv,timings.csv} "$scratch/report/"
+# Folders of whoever made it are nobody's business.
+sed -i -e "s#$brickbench#brickbench#g; s#$results/##g; s#$scratch/##g" \
+  "$scratch/report/"{index.html,report.md,provenance.json}
 kb_of() { du -sk --apparent-size "$1" | cut -f1; }
 kb=$(kb_of "$scratch/report")
 {
