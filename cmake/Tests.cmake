@@ -23,6 +23,7 @@ function(brickbench_test name)
   if(NOT (ARG_DENSE AND BRICKBENCH_SANITIZE))
     brickbench_light(${name})
   endif()
+  brickbench_together(${name})
   target_link_libraries(${name} PRIVATE brickbench_options brickbench_test_support
                         ${ARG_LINK} GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

@@ -39,6 +39,9 @@ ParameterValues quantities(const Cell& cell, const Catalogues& catalogues);
 // duration / step, rounded; the plan's reader has checked that it is whole.
 std::uint64_t step_count(const Cell& cell);
 
+// A number in its shortest exact form, or the text.
+std::string text_of(const ParameterValue& value);
+
 // Everything that decides the cell's result, as text with fixed order and shortest numbers.
 // `engine_version` as the adapter reports it; `revision` of this source.
 std::string cell_key(const Cell& cell, const std::string& engine_version,

@@ -7,14 +7,10 @@
 #include "experiments/run/cell.hpp"
 
 namespace brickbench {
-namespace {
-
 std::string text_of(const ParameterValue& value) {
   const auto* number = std::get_if<double>(&value);
   return number != nullptr ? shortest(*number) : std::get<std::string>(value);
 }
-
-}  // namespace
 
 std::uint64_t step_count(const Cell& cell) {
   return static_cast<std::uint64_t>(std::llround(cell.duration_s / cell.step_s));

@@ -8,11 +8,6 @@
 namespace brickbench {
 namespace {
 
-std::string text_of(const ParameterValue& value) {
-  const auto* number = std::get_if<double>(&value);
-  return number != nullptr ? shortest(*number) : std::get<std::string>(value);
-}
-
 // The axes that advance together, in the place of the first of them; alone where none does.
 std::vector<std::vector<const Axis*>> groups(const std::vector<Axis>& axes,
                                              const std::vector<std::vector<std::string>>& zip) {

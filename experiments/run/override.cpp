@@ -7,8 +7,7 @@
 namespace brickbench {
 namespace {
 
-const std::vector<std::string> k_experiment_keys = {"step_s", "duration_s", "time_limit_s",
-                                                    "seeds"};
+const std::vector<std::string> k_settable_keys = {"step_s", "duration_s", "time_limit_s", "seeds"};
 
 void put(Value& table, Entry entry) {
   const auto found = std::ranges::find(table.entries, entry.name, &Entry::name);
@@ -90,7 +89,7 @@ bool apply(Value& experiment, const Setting& setting, const Catalogues& catalogu
   const Value* scenario_name = experiment.find("scenario");
   const Scenario* scenario =
       scenario_name == nullptr ? nullptr : find_scenario(catalogues, scenario_name->text);
-  known.insert(known.end(), k_experiment_keys.begin(), k_experiment_keys.end());
+  known.insert(known.end(), k_settable_keys.begin(), k_settable_keys.end());
   if (scenario != nullptr) {
     for (const Parameter& parameter : scenario->parameters) known.push_back(parameter.name);
   }
@@ -98,7 +97,7 @@ bool apply(Value& experiment, const Setting& setting, const Catalogues& catalogu
     turn_knob(experiment, setting.entry);
     return true;
   }
-  if (std::ranges::find(k_experiment_keys, setting.entry.name) != k_experiment_keys.end()) {
+  if (std::ranges::find(k_settable_keys, setting.entry.name) != k_settable_keys.end()) {
     put(experiment, setting.entry);
     return true;
   }

@@ -8,8 +8,6 @@
 namespace brickbench::testing {
 namespace {
 
-constexpr double k_step_s = 0.001;
-
 // Bodies of all shapes far apart, with laws of pairs of their own; `friction` scales all of them.
 World many_laws(double friction) {
   World world;

@@ -22,6 +22,12 @@ std::vector<Check> all_checks() {
   return all;
 }
 
+State at(double x, double y, double z) {
+  State state;
+  state.position_m = {x, y, z};
+  return state;
+}
+
 Verdict passed() { return {}; }
 Verdict failed(std::string detail) { return {Outcome::failed, std::move(detail)}; }
 

@@ -46,6 +46,11 @@ std::vector<Check> all_checks();
 
 // ---- what checks are made of ----
 
+inline constexpr double k_step_s = 0.001;
+
+// At rest, upright.
+State at(double x, double y, double z);
+
 using States = std::vector<State>;
 
 // Ends a check early; caught by guarded().

@@ -9,14 +9,7 @@
 namespace brickbench::testing {
 namespace {
 
-constexpr double k_step_s = 0.001;
 constexpr double k_g_mps2 = 9.81;
-
-State at(double x, double y, double z) {
-  State state;
-  state.position_m = {x, y, z};
-  return state;
-}
 
 Body flat_brick(const State& state) {
   return solid_body("brick", BoxShape{{0.1, 0.1, 0.05}}, 2000.0, state);

@@ -8,8 +8,6 @@
 namespace brickbench::testing {
 namespace {
 
-constexpr double k_step_s = 0.001;
-
 // A box with three different moments of inertia, turned away from all axes.
 Body odd_box(const Eigen::Vector3d& position_m) {
   State state;

@@ -6,14 +6,7 @@
 namespace brickbench::testing {
 namespace {
 
-constexpr double k_step_s = 0.001;
 constexpr int k_steps = 120;
-
-State at(double x, double y, double z) {
-  State state;
-  state.position_m = {x, y, z};
-  return state;
-}
 
 // A ball, or a small box, hits the upper of two stacked bricks; `friction` as given. Without floor
 // and gravity where `flying`: for engines without contact.

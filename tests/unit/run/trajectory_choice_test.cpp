@@ -28,7 +28,7 @@ step_s = 0.01
 [trajectory]
 )";
 
-Checked<std::vector<Cell>> cells_of(const std::string& table) {
+Checked<std::vector<Cell>> recorded_cells(const std::string& table) {
   const Catalogues catalogues = fake_catalogues();
   const auto plan = parse_plan(k_plan + table, "p.toml", catalogues);
   if (!plan) return tl::unexpected(plan.error());
@@ -36,7 +36,7 @@ Checked<std::vector<Cell>> cells_of(const std::string& table) {
 }
 
 std::size_t recorded(const std::string& table) {
-  const auto cells = cells_of(table);
+  const auto cells = recorded_cells(table);
   EXPECT_TRUE(cells.has_value()) << cells.error().text();
   if (!cells) return 0;
   return static_cast<std::size_t>(
@@ -44,7 +44,7 @@ std::size_t recorded(const std::string& table) {
 }
 
 std::string refusal(const std::string& table) {
-  const auto cells = cells_of(table);
+  const auto cells = recorded_cells(table);
   return cells ? "" : cells.error().text();
 }
 
@@ -58,7 +58,7 @@ TEST(TrajectoryChoice, SelectsCells) {
 }
 
 TEST(TrajectoryChoice, TurnsSecondsIntoStepsOfEachCell) {
-  const auto cells = cells_of("every_s = 0.02\nprecision = \"f32\"\ncontacts = true");
+  const auto cells = recorded_cells("every_s = 0.02\nprecision = \"f32\"\ncontacts = true");
   ASSERT_TRUE(cells.has_value()) << cells.error().text();
   for (const Cell& cell : *cells) {
     ASSERT_TRUE(cell.recording.has_value());
@@ -87,7 +87,7 @@ TEST(TrajectoryChoice, NamesWhatIsWrongAndWhere) {
 }
 
 TEST(TrajectoryChoice, DoesNotChangeTheIdentityOfACell) {
-  const auto with = cells_of("every = 3");
+  const auto with = recorded_cells("every = 3");
   ASSERT_TRUE(with.has_value());
   Cell without = with->front();
   without.recording.reset();
@@ -106,7 +106,7 @@ class Recorded : public ::testing::Test {
     if (!folder_.empty()) fs::remove_all(folder_);
   }
   RunResult run(const std::string& table) const {
-    return run_cells(*cells_of(table), fake_catalogues(), {"rev", "machine"}, {}, folder_);
+    return run_cells(*recorded_cells(table), fake_catalogues(), {"rev", "machine"}, {}, folder_);
   }
   fs::path folder_;
 };
@@ -147,7 +147,7 @@ TEST_F(Recorded, EveryKthStepAndTheLastOfEachCell) {
 
 TEST_F(Recorded, ChangesNoRow) {
   const RunResult with = run("");
-  const RunResult without = run_cells(*cells_of(""), fake_catalogues(), {"rev", "machine"});
+  const RunResult without = run_cells(*recorded_cells(""), fake_catalogues(), {"rev", "machine"});
   EXPECT_EQ(with.rows, without.rows);
 }
 

@@ -15,7 +15,8 @@ using brickbench::testing::Tolerance;
 using brickbench::testing::Worst;
 
 constexpr int k_axes = 15;
-constexpr Tolerance k_rounding{"gap_m", 3e-15, 1.7e-16, "a few hundred operations of order 0.1 m"};
+constexpr Tolerance k_axis_rounding{"gap_m", 3e-15, 1.7e-16,
+                                    "a few hundred operations of order 0.1 m"};
 
 struct Extent {
   double low = HUGE_VAL;
@@ -78,7 +79,7 @@ TEST(SeparatingAxis, IsTheWidestOfAllFifteenWithinItsBias) {
     EXPECT_GT(axis.direction.dot(b.position_m - a.position_m), 0.0) << where;
     disagreed += (axis.gap_m > 0.0) != (widest > 0.0) ? 1 : 0;
   }
-  EXPECT_TRUE(gap.within(k_rounding));
+  EXPECT_TRUE(gap.within(k_axis_rounding));
   for (int k = 0; k < k_axes; ++k) EXPECT_GE(chosen[static_cast<std::size_t>(k)], 100) << k;
   // Only a widest gap below the bias can be overlooked.
   EXPECT_LT(disagreed, 20);

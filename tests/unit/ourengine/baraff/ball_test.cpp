@@ -16,7 +16,8 @@ using testing::k_second_difference;
 using testing::moved;
 using testing::Random;
 
-constexpr Tolerance k_rounding{"rounding", 2e-14, 1e-15, "a few hundred operations of order one"};
+constexpr Tolerance k_ball_rounding{"rounding", 2e-14, 1e-15,
+                                    "a few hundred operations of order one"};
 constexpr Tolerance k_rest{"rest", 1e-9, 1e-10, "the contact tolerance leaves 1e-7 m/s at most"};
 
 RigidBody ball(double radius_m, const Eigen::Vector3d& position_m) {
@@ -82,7 +83,7 @@ TEST(BallContact, CentreInsideABoxLeavesThroughTheClosestFace) {
   worst.see(contact.gap_m + 0.04, "gap");
   worst.see((contact.normal - Eigen::Vector3d::UnitZ()).norm(), "normal");
   worst.see((contact.location - Eigen::Vector3d(0.02, 0.0, 0.05)).norm(), "location");
-  EXPECT_TRUE(worst.within(k_rounding));
+  EXPECT_TRUE(worst.within(k_ball_rounding));
 }
 
 // Sphere on plane, falling from 0.2 m/s with restitution 0.5: it leaves with half the speed.
@@ -100,7 +101,7 @@ TEST(BallContact, ReboundsWithItsRestitution) {
     worst.see((simulator.bodies()[0].velocity_mps - Eigen::Vector3d(0.3, 0, 0.1)).norm(), "v");
     worst.see((simulator.bodies()[0].angular_velocity_radps - Eigen::Vector3d(1, 2, 3)).norm(),
               "w");
-    EXPECT_TRUE(worst.within(k_rounding));
+    EXPECT_TRUE(worst.within(k_ball_rounding));
   }
 }
 

@@ -19,12 +19,12 @@ using brickbench::testing::Worst;
 
 constexpr Tolerance k_acceleration{"acceleration", 1e-12, 7.6e-14,
                                    "rounding times the condition of the sets chosen"};
-constexpr Tolerance k_residual{"complementarity", 1e-12, 9.5e-14,
-                               "1140 contacts; accelerations recomputed from the forces"};
+constexpr Tolerance k_solve_residual{"complementarity", 1e-12, 9.5e-14,
+                                     "1140 contacts; accelerations recomputed from the forces"};
 constexpr Tolerance k_eigenvalue{"negative_eigenvalue", 4e-15, 2.5e-16,
                                  "rounding errors of the largest eigenvalue"};
 
-class Random {
+class RandomVectors {
  public:
   double number() { return normal_(engine_); }
   Eigen::VectorXd vector(Eigen::Index n) {
@@ -64,14 +64,14 @@ Eigen::VectorXd enumerated_acceleration(const Eigen::MatrixXd& a_matrix, const E
 }
 
 // J J^T with `rank` columns; every third row of J repeats the one before it if `repeat`.
-Eigen::MatrixXd rows(Random& random, int n, int rank, bool repeat) {
+Eigen::MatrixXd rows(RandomVectors& random, int n, int rank, bool repeat) {
   Eigen::MatrixXd j = random.vector(n * rank).reshaped(n, rank);
   for (int r = 1; repeat && r < n; r += 3) j.row(r) = j.row(r - 1);
   return j;
 }
 
 TEST(QpSolve, AccelerationsAreThoseOfTheEnumeration) {
-  Random random;
+  RandomVectors random;
   Worst worst;
   int loaded = 0;
   for (int i = 0; i < 400; ++i) {
@@ -122,7 +122,7 @@ TEST(RestingContact, AOfAWallIsSymmetricAndPositiveSemidefinite) {
 
 // Gravity and random forces and torques on all bricks, from a gentle push to several weights.
 TEST(QpSolve, NeverCyclesOnWallsUnderRandomLoads) {
-  Random random;
+  RandomVectors random;
   Worst worst;
   int zero_steps = 0;
   int pivots = 0;
@@ -145,7 +145,7 @@ TEST(QpSolve, NeverCyclesOnWallsUnderRandomLoads) {
     }
   }
   EXPECT_LT(zero_steps, pivots / 100);
-  EXPECT_TRUE(worst.within(k_residual));
+  EXPECT_TRUE(worst.within(k_solve_residual));
 }
 
 // 1140 contacts, of which at most 660 can be independent.
@@ -157,7 +157,7 @@ TEST(QpSolve, TenByTenWallTakesFewPivots) {
   EXPECT_LT(solved.pivots, static_cast<int>(wall.contacts.size()));
   Worst worst;
   worst.see(solved.residual, "10x10");
-  EXPECT_TRUE(worst.within(k_residual));
+  EXPECT_TRUE(worst.within(k_solve_residual));
 }
 
 }  // namespace

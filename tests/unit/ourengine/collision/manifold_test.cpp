@@ -65,8 +65,8 @@ PosedBox random_box(std::mt19937_64& random, double spread) {
 
 constexpr double k_bias_m = 1e-3 * 0.6;  // of the thickest box drawn: the preference for faces
 
-constexpr Tolerance k_gap = {"gap of two boxes (m)", k_bias_m, 3e-4,
-                             "an edge axis may lose to a face by the stated bias"};
+constexpr Tolerance k_biased_gap = {"gap of two boxes (m)", k_bias_m, 3e-4,
+                                    "an edge axis may lose to a face by the stated bias"};
 
 TEST(BoxBox, GapIsTheLargestSeparationOverFifteenAxes) {
   std::mt19937_64 random(1);
@@ -82,7 +82,7 @@ TEST(BoxBox, GapIsTheLargestSeparationOverFifteenAxes) {
     ASSERT_GE(got.gap_m, brute_gap(a, b, false) - 2 * k_bias_m);
   }
   EXPECT_GT(edges, 1000) << "edge axes were hardly tried";
-  EXPECT_TRUE(worst.within(k_gap));
+  EXPECT_TRUE(worst.within(k_biased_gap));
 }
 
 TEST(BoxBox, NormalLeadsFromAToBAndSwappingOnlyTurnsIt) {
