@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/complain.hpp"
+#include "cli/json_number.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/exact/metamorphic.hpp"
 #include "experiments/exact/stable_step.hpp"
@@ -14,9 +15,6 @@ namespace brickbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// JSON knows no infinities: null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 // The scene of that name with its default parameters, or all; complains and returns none otherwise.
 std::vector<const Scenario*> scenes_named(const Catalogues& catalogues, const std::string& name) {
@@ -35,13 +33,14 @@ Json symmetry_json(const exact::MetamorphicResult& result, const EngineVariant& 
                    const std::string& scene) {
   auto growth = Json::array();
   for (const exact::GrowthSample& sample : result.growth) {
-    growth.push_back({{"time_s", sample.time_s}, {"difference_m", number(sample.difference_m)}});
+    growth.push_back(
+        {{"time_s", sample.time_s}, {"difference_m", json_number(sample.difference_m)}});
   }
   return {{"id", engine.label() + ':' + scene + ':' + result.symmetry},
           {"scene", scene},
           {"outcome", result.outcome},
           {"reason", result.reason},
-          {"rate_per_s", number(result.rate_per_s)},
+          {"rate_per_s", json_number(result.rate_per_s)},
           {"growth", growth}};
 }
 
@@ -111,8 +110,8 @@ int search_stable_steps(const std::vector<EngineVariant>& engines, const Catalog
                            {"outcome", result.outcome},
                            {"reason", result.reason},
                            {"drift_limit_m", search.drift_limit_m},
-                           {"stable_s", number(result.stable_s)},
-                           {"unstable_s", number(result.unstable_s)},
+                           {"stable_s", json_number(result.stable_s)},
+                           {"unstable_s", json_number(result.unstable_s)},
                            {"failure", result.failure}});
       } else if (result.outcome != "ok") {
         fmt::print("{:<14} {:<18} {}: {}\n", scenario->name, engine.label(), result.outcome,

@@ -6,6 +6,7 @@
 
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/json_number.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/gate/check.hpp"
@@ -36,9 +37,6 @@ std::filesystem::path next_obtained(const std::string& suite) {
   }
 }
 
-// JSON knows no infinities: null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json comparison_json(const std::string& suite, const gate::Comparison& c) {
   return {{"id", c.experiment + '|' + c.obtained.key()},
           {"experiment", c.experiment},
@@ -49,12 +47,12 @@ Json comparison_json(const std::string& suite, const gate::Comparison& c) {
           {"kind", gate::to_word(c.reference.kind)},
           {"finding", gate::to_word(c.finding)},
           {"trend", gate::to_word(c.trend)},
-          {"reference", number(c.reference_value)},
-          {"got", number(c.obtained_value)},
-          {"difference", number(c.difference)},
-          {"bound", number(c.bound)},
-          {"factor_over", number(c.factor)},
-          {"p_value", number(c.p_value)},
+          {"reference", json_number(c.reference_value)},
+          {"got", json_number(c.obtained_value)},
+          {"difference", json_number(c.difference)},
+          {"bound", json_number(c.bound)},
+          {"factor_over", json_number(c.factor)},
+          {"p_value", json_number(c.p_value)},
           {"starts", c.obtained.seeds.size()},
           {"message", c.message},
           {"reproduce", gate::reproduce(suite, c)}};

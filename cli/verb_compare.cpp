@@ -44,7 +44,7 @@ nlohmann::ordered_json change_json(const Change& change) {
           {"words", change.words}};
 }
 
-void print_json(const Comparison& comparison) {
+void print_json(const FolderComparison& comparison) {
   nlohmann::ordered_json json = {
       {"headline", headline(comparison)},          {"facts", comparison.facts},
       {"compared", comparison.compared},           {"same", comparison.same},
@@ -56,7 +56,8 @@ void print_json(const Comparison& comparison) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-void print_tables(const Comparison& comparison, const Ensembles& ensembles, std::size_t rows) {
+void print_tables(const FolderComparison& comparison, const Ensembles& ensembles,
+                  std::size_t rows) {
   const TerminalStyle style = standard_output_style();
   fmt::print("{}\n", headline(comparison));
   for (const std::string& fact : comparison.facts) fmt::print("  {}\n", fact);
@@ -96,7 +97,7 @@ std::pair<std::string, std::string> short_labels(const std::string& a, const std
 int compare_folders(const CompareOptions& options) {
   const auto sources = read_sources({options.a, options.b});
   if (!sources) return complain(sources.error());
-  const Comparison comparison = compare(sources->front(), sources->back());
+  const FolderComparison comparison = compare(sources->front(), sources->back());
   const auto [label_a, label_b] = short_labels(options.a, options.b);
   Ensembles ensembles = ensembles_between(sources->front(), sources->back(), label_a, label_b);
   judge(ensembles);

@@ -6,6 +6,7 @@
 
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/json_number.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/gate/confusion.hpp"
@@ -73,8 +74,6 @@ Settings settings_of(const OracleOptions& options, const EngineVariant& engine) 
 std::size_t steps_of(const OracleOptions& options) {
   return static_cast<std::size_t>(std::llround(options.duration_s / options.step_s));
 }
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json json_of(const std::string& engine, const gate::Violation& v, bool most) {
   return {{"id", engine + ':' + v.law},
@@ -202,7 +201,7 @@ int defect(const OracleOptions& options, const Catalogues& catalogues) {
                          {"total_ns", d.total_ns},
                          {"worst_body", scene->world.bodies[d.worst_body].name},
                          {"partner", scene->world.bodies[d.partner].name},
-                         {"gap_m", number(d.gap_m)},
+                         {"gap_m", json_number(d.gap_m)},
                          {"per_body_ns", d.per_body_ns}});
       }
       records.push_back(

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t k_shown = 20;
+constexpr std::size_t k_cells_shown = 20;
 
 struct PreviewChoice {
   PlanChoice plan;
@@ -55,12 +55,12 @@ nlohmann::ordered_json cells_json(const std::vector<PlannedCell>& cells) {
 
 void print_preview(const Estimate& estimate, const std::vector<PlannedCell>& cells, bool all,
                    unsigned cores) {
-  for (std::size_t i = 0; i < cells.size() && (all || i < k_shown); ++i) {
+  for (std::size_t i = 0; i < cells.size() && (all || i < k_cells_shown); ++i) {
     fmt::print("{} {}{}\n", cells[i].cell, label(cells[i]),
                cells[i].excluded.empty() ? "" : ", left out: " + cells[i].excluded);
   }
-  if (!all && cells.size() > k_shown) {
-    fmt::print("... {} more; --cells prints all\n", cells.size() - k_shown);
+  if (!all && cells.size() > k_cells_shown) {
+    fmt::print("... {} more; --cells prints all\n", cells.size() - k_cells_shown);
   }
   fmt::print("{} cells, {} of them left out by the plan.\n", cells.size(), estimate.excluded);
   fmt::print(

@@ -6,6 +6,7 @@
 
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/json_number.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/validate_scenes.hpp"
@@ -63,22 +64,18 @@ std::string reproduce(const exact::CellResult& cell, const std::vector<std::stri
   return line;
 }
 
-// JSON knows no infinities: null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
-
 Json cell_json(const exact::CellResult& cell, const std::string& reproduce) {
   auto scores = Json::array();
   for (const exact::Score& score : cell.scores) {
     scores.push_back({{"id", score.observable},
                       {"unit", score.unit},
-                      {"truth", number(score.truth)},
-                      {"predicted", number(score.predicted)},
-                      {"measured", number(score.measured)},
-                      {"scale", number(score.scale)},
-                      {"error", number(score.error)},
-                      {"explained", number(score.explained)},
-                      {"unexplained", number(score.unexplained)}});
+                      {"truth", json_number(score.truth)},
+                      {"predicted", json_number(score.predicted)},
+                      {"measured", json_number(score.measured)},
+                      {"scale", json_number(score.scale)},
+                      {"error", json_number(score.error)},
+                      {"explained", json_number(score.explained)},
+                      {"unexplained", json_number(score.unexplained)}});
   }
   Json json = {{"id", fmt::format("{}/{}:{}", cell.engine, cell.variant, cell.case_id)},
                {"engine", cell.engine},
@@ -92,9 +89,10 @@ Json cell_json(const exact::CellResult& cell, const std::string& reproduce) {
                {"law", cell.law},
                {"scores", scores}};
   if (cell.bracket) {
-    json["threshold"] = {{"parameter", cell.bracket->parameter}, {"unit", cell.bracket->unit},
-                         {"truth", number(cell.bracket->truth)}, {"low", number(cell.bracket->low)},
-                         {"high", number(cell.bracket->high)},   {"found", cell.bracket->found}};
+    json["threshold"] = {
+        {"parameter", cell.bracket->parameter},      {"unit", cell.bracket->unit},
+        {"truth", json_number(cell.bracket->truth)}, {"low", json_number(cell.bracket->low)},
+        {"high", json_number(cell.bracket->high)},   {"found", cell.bracket->found}};
   }
   json["reproduce"] = reproduce;
   return json;
@@ -170,7 +168,7 @@ Json order_json(const exact::OrderResult& result) {
   auto ladder = Json::array();
   for (const exact::LadderRung& rung : result.ladder) {
     ladder.push_back(
-        {{"step_s", rung.step_s}, {"error", number(rung.error)}, {"cpu_s", rung.cpu_s}});
+        {{"step_s", rung.step_s}, {"error", json_number(rung.error)}, {"cpu_s", rung.cpu_s}});
   }
   return {{"id", fmt::format("{}/{}:{}", result.engine, result.variant, result.case_id)},
           {"engine", result.engine},
@@ -178,8 +176,8 @@ Json order_json(const exact::OrderResult& result) {
           {"case", result.case_id},
           {"outcome", result.outcome},
           {"reason", result.reason},
-          {"order", number(result.fit.order)},
-          {"half_width_95", number(result.fit.half_width)},
+          {"order", json_number(result.fit.order)},
+          {"half_width_95", json_number(result.fit.half_width)},
           {"at_rounding", result.fit.at_rounding},
           {"promised", result.promised},
           {"ladder", ladder}};

@@ -11,14 +11,14 @@ namespace brickbench {
 namespace {
 
 // true and false, or 1 and 0 as the rows write them.
-double truth(const Value& value, std::string_view name) {
+double truth(const InputValue& value, std::string_view name) {
   const bool number =
       value.kind == ValueKind::integer && (value.number == 0.0 || value.number == 1.0);
   return number ? value.number : expect(value, name, ValueKind::boolean).number;
 }
 
 ParameterValue parameter_value(const Scenario& scenario, const Parameter& parameter,
-                               const Value& value) {
+                               const InputValue& value) {
   const std::string name = fmt::format("{}: {}", scenario.name, parameter.name);
   ParameterValue result;
   switch (parameter.kind) {
@@ -43,14 +43,15 @@ ParameterValue parameter_value(const Scenario& scenario, const Parameter& parame
 
 }  // namespace
 
-Axis axis(const std::string& name, const Value& value, const Converter& convert) {
+Axis axis(const std::string& name, const InputValue& value, const Converter& convert) {
   Axis result{.name = name, .values = {}, .at = value.at};
-  Value listed;
+  InputValue listed;
   if (value.kind == ValueKind::table) {
     listed.kind = ValueKind::array;
     listed.items = range_values(value, name);
   }
-  for (const Value* item : one_or_more(value.kind == ValueKind::table ? listed : value, name)) {
+  for (const InputValue* item :
+       one_or_more(value.kind == ValueKind::table ? listed : value, name)) {
     ParameterValue converted = convert(*item);
     if (std::ranges::find(result.values, converted) != result.values.end()) {
       reject(item->at, fmt::format("{} lists the same value twice", name));
@@ -60,26 +61,27 @@ Axis axis(const std::string& name, const Value& value, const Converter& convert)
   return result;
 }
 
-std::vector<Axis> parameter_axes(const Scenario& scenario, const Value& table) {
+std::vector<Axis> parameter_axes(const Scenario& scenario, const InputValue& table) {
   expect(table, "parameters", ValueKind::table);
   reject_unknown(table, fmt::format("scenario {}", scenario.name), names_of(scenario.parameters));
   std::vector<Axis> axes;
   for (const Entry& entry : table.entries) {
     const auto parameter = std::ranges::find(scenario.parameters, entry.name, &Parameter::name);
-    axes.push_back(axis(entry.name, entry.value, [&](const Value& value) {
+    axes.push_back(axis(entry.name, entry.value, [&](const InputValue& value) {
       return parameter_value(scenario, *parameter, value);
     }));
   }
   return axes;
 }
 
-std::vector<std::vector<std::string>> zip_groups(const Value& list, const std::vector<Axis>& axes) {
+std::vector<std::vector<std::string>> zip_groups(const InputValue& list,
+                                                 const std::vector<Axis>& axes) {
   std::vector<std::vector<std::string>> groups;
   std::set<std::string> used;
-  for (const Value& item : expect(list, "zip", ValueKind::array).items) {
+  for (const InputValue& item : expect(list, "zip", ValueKind::array).items) {
     std::vector<std::string> group;
     std::size_t length = 0;
-    for (const Value& word : expect(item, "an entry of zip", ValueKind::array).items) {
+    for (const InputValue& word : expect(item, "an entry of zip", ValueKind::array).items) {
       const std::string& name = filled_text(word, "an entry of zip");
       const auto found = std::ranges::find(axes, name, &Axis::name);
       if (found == axes.end()) {
@@ -100,7 +102,7 @@ std::vector<std::vector<std::string>> zip_groups(const Value& list, const std::v
   return groups;
 }
 
-std::vector<Axis> knob_axes(const Value& table, const Selector& selector,
+std::vector<Axis> knob_axes(const InputValue& table, const Selector& selector,
                             const Catalogues& catalogues) {
   expect(table, "knobs", ValueKind::table);
   for (const EngineVariant& chosen : select(selector, catalogues)) {
@@ -110,7 +112,7 @@ std::vector<Axis> knob_axes(const Value& table, const Selector& selector,
   }
   std::vector<Axis> axes;
   for (const Entry& entry : table.entries) {
-    axes.push_back(axis(entry.name, entry.value, [&](const Value& value) {
+    axes.push_back(axis(entry.name, entry.value, [&](const InputValue& value) {
       return ParameterValue(finite_number(value, entry.name));
     }));
   }

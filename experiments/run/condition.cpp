@@ -13,14 +13,14 @@ namespace {
 
 struct Operator {
   std::string_view text;
-  Comparison comparison;
+  Relation relation;
 };
-constexpr std::array<Operator, 6> k_operators = {{{"<", Comparison::less},
-                                                  {"<=", Comparison::at_most},
-                                                  {">", Comparison::greater},
-                                                  {">=", Comparison::at_least},
-                                                  {"==", Comparison::equal},
-                                                  {"!=", Comparison::unequal}}};
+constexpr std::array<Operator, 6> k_operators = {{{"<", Relation::less},
+                                                  {"<=", Relation::at_most},
+                                                  {">", Relation::greater},
+                                                  {">=", Relation::at_least},
+                                                  {"==", Relation::equal},
+                                                  {"!=", Relation::unequal}}};
 
 Term parse_term(const std::vector<std::string>& words, const std::string& text,
                 const SourcePosition& at, const std::vector<std::string>& known) {
@@ -36,22 +36,22 @@ Term parse_term(const std::vector<std::string>& words, const std::string& text,
            fmt::format("'{}': no quantity '{}'{}", text, words[0], known_names(words[0], known)));
   }
   const auto number = parse_number(words[2]);
-  return {words[0], op->comparison, number ? ParameterValue(*number) : ParameterValue(words[2])};
+  return {words[0], op->relation, number ? ParameterValue(*number) : ParameterValue(words[2])};
 }
 
-bool compare(double a, Comparison comparison, double b) {
-  switch (comparison) {
-    case Comparison::less:
+bool compare(double a, Relation relation, double b) {
+  switch (relation) {
+    case Relation::less:
       return a < b;
-    case Comparison::at_most:
+    case Relation::at_most:
       return a <= b;
-    case Comparison::greater:
+    case Relation::greater:
       return a > b;
-    case Comparison::at_least:
+    case Relation::at_least:
       return a >= b;
-    case Comparison::equal:
+    case Relation::equal:
       return a == b;
-    case Comparison::unequal:
+    case Relation::unequal:
       return a != b;
   }
   return false;
@@ -60,10 +60,10 @@ bool compare(double a, Comparison comparison, double b) {
 bool holds(const Term& term, const ParameterValue& value) {
   const auto* a = std::get_if<double>(&value);
   const auto* b = std::get_if<double>(&term.value);
-  if (a != nullptr && b != nullptr) return compare(*a, term.comparison, *b);
-  return term.comparison == Comparison::equal     ? value == term.value
-         : term.comparison == Comparison::unequal ? value != term.value
-                                                  : false;
+  if (a != nullptr && b != nullptr) return compare(*a, term.relation, *b);
+  return term.relation == Relation::equal     ? value == term.value
+         : term.relation == Relation::unequal ? value != term.value
+                                              : false;
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 
 namespace brickbench {
 
-enum class Comparison { less, at_most, greater, at_least, equal, unequal };
+enum class Relation { less, at_most, greater, at_least, equal, unequal };
 
 struct Term {
   std::string name;
-  Comparison comparison = Comparison::equal;
+  Relation relation = Relation::equal;
   ParameterValue value;
 };
 

@@ -18,10 +18,10 @@ SourcePosition position(std::string_view file, const toml::source_region& region
   return {std::string(file), region.begin.line, region.begin.column};
 }
 
-Value to_value(const toml::node& node, std::string_view file);
+InputValue to_value(const toml::node& node, std::string_view file);
 
-Value table_value(const toml::table& table, std::string_view file) {
-  Value value;
+InputValue table_value(const toml::table& table, std::string_view file) {
+  InputValue value;
   value.kind = ValueKind::table;
   for (const auto& [key, node] : table) {
     value.entries.push_back(
@@ -32,16 +32,16 @@ Value table_value(const toml::table& table, std::string_view file) {
   return value;
 }
 
-Value number_value(ValueKind kind, double number) {
-  Value value;
+InputValue number_value(ValueKind kind, double number) {
+  InputValue value;
   value.kind = kind;
   value.number = number;
   return value;
 }
 
-Value to_value(const toml::node& node, std::string_view file) {
+InputValue to_value(const toml::node& node, std::string_view file) {
   const SourcePosition at = position(file, node.source());
-  Value value;
+  InputValue value;
   if (const auto* table = node.as_table()) {
     value = table_value(*table, file);
   } else if (const auto* array = node.as_array()) {
@@ -81,12 +81,12 @@ tl::unexpected<InputError> file_error(const std::string& file, std::string reaso
   return tl::unexpected<InputError>(std::move(error));
 }
 
-const Value* Value::find(std::string_view name) const {
+const InputValue* InputValue::find(std::string_view name) const {
   const auto found = std::ranges::find(entries, name, &Entry::name);
   return found == entries.end() ? nullptr : &found->value;
 }
 
-Checked<Value> parse_toml(std::string_view text, std::string_view file) {
+Checked<InputValue> parse_toml(std::string_view text, std::string_view file) {
   try {
     const toml::table table = toml::parse(text, file);
     return to_value(table, file);
@@ -126,7 +126,7 @@ std::string known_names(std::string_view name, const std::vector<std::string>& k
                      fmt::join(known, ", "));
 }
 
-void reject_unknown(const Value& table, std::string_view what,
+void reject_unknown(const InputValue& table, std::string_view what,
                     const std::vector<std::string>& known) {
   for (const Entry& entry : table.entries) {
     if (std::ranges::find(known, entry.name) != known.end()) continue;
@@ -135,7 +135,7 @@ void reject_unknown(const Value& table, std::string_view what,
   }
 }
 
-const Value& expect(const Value& value, std::string_view name, ValueKind kind) {
+const InputValue& expect(const InputValue& value, std::string_view name, ValueKind kind) {
   if (value.kind != kind) {
     reject(value.at,
            fmt::format("{} must be {}, not {}", name, kind_name(kind), kind_name(value.kind)));
@@ -143,7 +143,7 @@ const Value& expect(const Value& value, std::string_view name, ValueKind kind) {
   return value;
 }
 
-double finite_number(const Value& value, std::string_view name) {
+double finite_number(const InputValue& value, std::string_view name) {
   double number = value.number;
   if (value.kind == ValueKind::text) {
     const std::string_view text = value.text;
@@ -164,23 +164,23 @@ double finite_number(const Value& value, std::string_view name) {
   return number;
 }
 
-double positive_number(const Value& value, std::string_view name) {
+double positive_number(const InputValue& value, std::string_view name) {
   const double number = finite_number(value, name);
   if (number <= 0.0) reject(value.at, fmt::format("{} = {} must be positive", name, number));
   return number;
 }
 
-const std::string& filled_text(const Value& value, std::string_view name) {
+const std::string& filled_text(const InputValue& value, std::string_view name) {
   expect(value, name, ValueKind::text);
   if (value.text.empty()) reject(value.at, fmt::format("{} must not be empty", name));
   return value.text;
 }
 
-std::vector<const Value*> one_or_more(const Value& value, std::string_view name) {
+std::vector<const InputValue*> one_or_more(const InputValue& value, std::string_view name) {
   if (value.kind != ValueKind::array) return {&value};
   if (value.items.empty()) reject(value.at, fmt::format("{} is an empty list", name));
-  std::vector<const Value*> items;
-  for (const Value& item : value.items) items.push_back(&item);
+  std::vector<const InputValue*> items;
+  for (const InputValue& item : value.items) items.push_back(&item);
   return items;
 }
 

@@ -32,22 +32,22 @@ enum class ValueKind { boolean, integer, number, text, array, table };
 
 struct Entry;
 
-struct Value {
+struct InputValue {
   ValueKind kind = ValueKind::table;
   SourcePosition at;
   double number = 0.0;  // of booleans (0 or 1), integers and numbers
   std::string text;
-  std::vector<Value> items;    // of an array
-  std::vector<Entry> entries;  // of a table, in the order of the file
+  std::vector<InputValue> items;  // of an array
+  std::vector<Entry> entries;     // of a table, in the order of the file
 
   // The entry's value, or nullptr.
-  const Value* find(std::string_view name) const;
+  const InputValue* find(std::string_view name) const;
 };
 
 struct Entry {
   std::string name;
   SourcePosition at;
-  Value value;
+  InputValue value;
 };
 
 // The complaint about a file as a whole.
@@ -55,7 +55,7 @@ tl::unexpected<InputError> file_error(const std::string& file, std::string reaso
 
 // The table that the TOML text says; `file` stands in the messages. Duplicate keys, dates and
 // integers beyond 2^53 are errors.
-Checked<Value> parse_toml(std::string_view text, std::string_view file);
+Checked<InputValue> parse_toml(std::string_view text, std::string_view file);
 
 // "a string", "a table" ...
 std::string_view kind_name(ValueKind kind);
@@ -65,19 +65,19 @@ std::string_view kind_name(ValueKind kind);
 [[noreturn]] void reject(const SourcePosition& at, std::string reason);
 
 // Rejects every entry that is not `known`, with the nearest known name.
-void reject_unknown(const Value& table, std::string_view what,
+void reject_unknown(const InputValue& table, std::string_view what,
                     const std::vector<std::string>& known);
 
 // ". Did you mean 'x'? Known: a, b, c"
 std::string known_names(std::string_view name, const std::vector<std::string>& known);
 
-const Value& expect(const Value& value, std::string_view name, ValueKind kind);
+const InputValue& expect(const InputValue& value, std::string_view name, ValueKind kind);
 // A finite number; a string "1/240" counts as the quotient.
-double finite_number(const Value& value, std::string_view name);
-double positive_number(const Value& value, std::string_view name);
+double finite_number(const InputValue& value, std::string_view name);
+double positive_number(const InputValue& value, std::string_view name);
 // A string that is not empty.
-const std::string& filled_text(const Value& value, std::string_view name);
+const std::string& filled_text(const InputValue& value, std::string_view name);
 // The items of an array that is not empty, or the value itself.
-std::vector<const Value*> one_or_more(const Value& value, std::string_view name);
+std::vector<const InputValue*> one_or_more(const InputValue& value, std::string_view name);
 
 }  // namespace brickbench

@@ -9,7 +9,7 @@ namespace {
 
 const std::vector<std::string> k_settable_keys = {"step_s", "duration_s", "time_limit_s", "seeds"};
 
-void put(Value& table, Entry entry) {
+void put(InputValue& table, Entry entry) {
   const auto found = std::ranges::find(table.entries, entry.name, &Entry::name);
   if (found == table.entries.end())
     table.entries.push_back(std::move(entry));
@@ -17,7 +17,7 @@ void put(Value& table, Entry entry) {
     *found = std::move(entry);
 }
 
-Value* find_mutable(Value& table, std::string_view name) {
+InputValue* find_mutable(InputValue& table, std::string_view name) {
   const auto found = std::ranges::find(table.entries, name, &Entry::name);
   return found == table.entries.end() ? nullptr : &found->value;
 }
@@ -64,18 +64,18 @@ Setting parse_setting(const std::string& text) {
 }
 
 // Turns the knob of every engine that the experiment chooses.
-void turn_knob(Value& experiment, const Entry& knob) {
-  Value* engines = find_mutable(experiment, "engines");
+void turn_knob(InputValue& experiment, const Entry& knob) {
+  InputValue* engines = find_mutable(experiment, "engines");
   if (engines == nullptr || engines->kind != ValueKind::array) return;
-  for (Value& item : engines->items) {
+  for (InputValue& item : engines->items) {
     if (item.kind != ValueKind::table) {
-      Value table;
+      InputValue table;
       table.at = item.at;
       put(table, {"engine", item.at, item});
       item = std::move(table);
     }
     if (item.find("knobs") == nullptr) {
-      Value knobs;
+      InputValue knobs;
       knobs.at = knob.at;
       put(item, {"knobs", knob.at, knobs});
     }
@@ -84,9 +84,9 @@ void turn_knob(Value& experiment, const Entry& knob) {
 }
 
 // Whether the experiment can take the setting; if so, it has it afterwards.
-bool apply(Value& experiment, const Setting& setting, const Catalogues& catalogues,
+bool apply(InputValue& experiment, const Setting& setting, const Catalogues& catalogues,
            std::vector<std::string>& known) {
-  const Value* scenario_name = experiment.find("scenario");
+  const InputValue* scenario_name = experiment.find("scenario");
   const Scenario* scenario =
       scenario_name == nullptr ? nullptr : find_scenario(catalogues, scenario_name->text);
   known.insert(known.end(), k_settable_keys.begin(), k_settable_keys.end());
@@ -103,7 +103,7 @@ bool apply(Value& experiment, const Setting& setting, const Catalogues& catalogu
   }
   if (std::ranges::find(known, setting.entry.name) == known.end()) return false;
   if (find_mutable(experiment, "parameters") == nullptr) {
-    Value table;
+    InputValue table;
     table.at = setting.entry.at;
     put(experiment, {"parameters", setting.entry.at, table});
   }
@@ -111,17 +111,18 @@ bool apply(Value& experiment, const Setting& setting, const Catalogues& catalogu
   return true;
 }
 
-std::string experiment_name(const Value& experiment) {
-  const Value* name = experiment.find("name");
+std::string experiment_name(const InputValue& experiment) {
+  const InputValue* name = experiment.find("name");
   if (name == nullptr) name = experiment.find("scenario");
   return name == nullptr ? "" : name->text;
 }
 
-void apply_everywhere(Value& experiments, const Setting& setting, const Catalogues& catalogues) {
+void apply_everywhere(InputValue& experiments, const Setting& setting,
+                      const Catalogues& catalogues) {
   std::vector<std::string> names;
   std::vector<std::string> known;
   bool applied = false;
-  for (Value& experiment : experiments.items) {
+  for (InputValue& experiment : experiments.items) {
     names.push_back(experiment_name(experiment));
     if (!setting.experiment.empty() && setting.experiment != names.back()) continue;
     applied = apply(experiment, setting, catalogues, known) || applied;
@@ -137,22 +138,23 @@ void apply_everywhere(Value& experiments, const Setting& setting, const Catalogu
                                        known_names(setting.entry.name, known)));
 }
 
-void keep_only(Value& experiments, const std::string& only) {
+void keep_only(InputValue& experiments, const std::string& only) {
   std::vector<std::string> names;
-  for (const Value& experiment : experiments.items) names.push_back(experiment_name(experiment));
+  for (const InputValue& experiment : experiments.items)
+    names.push_back(experiment_name(experiment));
   std::erase_if(experiments.items,
-                [&](const Value& experiment) { return experiment_name(experiment) != only; });
+                [&](const InputValue& experiment) { return experiment_name(experiment) != only; });
   if (!experiments.items.empty()) return;
   reject({"--only " + only, 0, 0},
          fmt::format("no experiment '{}'{}", only, known_names(only, names)));
 }
 
-Value engine_list(const std::vector<std::string>& selectors) {
-  Value list;
+InputValue engine_list(const std::vector<std::string>& selectors) {
+  InputValue list;
   list.kind = ValueKind::array;
   list.at = {"--engine", 0, 0};
   for (const std::string& selector : selectors) {
-    Value item;
+    InputValue item;
     item.kind = ValueKind::text;
     item.text = selector;
     item.at = {"--engine " + selector, 1, 1};
@@ -163,8 +165,8 @@ Value engine_list(const std::vector<std::string>& selectors) {
 
 }  // namespace
 
-void override_values(Value& plan, const Overrides& overrides, const Catalogues& catalogues) {
-  Value* experiments = find_mutable(plan, "experiment");
+void override_values(InputValue& plan, const Overrides& overrides, const Catalogues& catalogues) {
+  InputValue* experiments = find_mutable(plan, "experiment");
   if (experiments == nullptr || experiments->kind != ValueKind::array) return;
   if (!overrides.only.empty()) keep_only(*experiments, overrides.only);
   if (!overrides.engines.empty()) {
@@ -172,7 +174,7 @@ void override_values(Value& plan, const Overrides& overrides, const Catalogues& 
     entry.name = "engines";
     entry.at.file = "--engine";
     entry.value = engine_list(overrides.engines);
-    for (Value& experiment : experiments->items) put(experiment, entry);
+    for (InputValue& experiment : experiments->items) put(experiment, entry);
   }
   for (const std::string& text : overrides.set) {
     apply_everywhere(*experiments, parse_setting(text), catalogues);

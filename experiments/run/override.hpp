@@ -9,6 +9,6 @@ namespace brickbench {
 // Throws InputError. A key is one of step_s, duration_s, time_limit_s, seeds, or a parameter of the
 // scenario; "experiment.key" reaches one experiment only. The value is TOML; a bare word is a
 // string.
-void override_values(Value& plan, const Overrides& overrides, const Catalogues& catalogues);
+void override_values(InputValue& plan, const Overrides& overrides, const Catalogues& catalogues);
 
 }  // namespace brickbench

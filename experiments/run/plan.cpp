@@ -23,18 +23,18 @@ const std::vector<std::string> k_outcomes = {"refused", "invalid",   "diverged",
 // The largest relative distance of duration / step from a whole number: rounding of 2 / (1/240).
 constexpr double k_whole_steps_tolerance = 1e-9;
 
-std::vector<EngineChoice> engine_choices(const Value& value, const Catalogues& catalogues) {
+std::vector<EngineChoice> engine_choices(const InputValue& value, const Catalogues& catalogues) {
   std::vector<EngineChoice> choices;
   std::size_t matched = 0;
-  for (const Value* item : one_or_more(value, "engines")) {
+  for (const InputValue* item : one_or_more(value, "engines")) {
     EngineChoice choice;
     if (item->kind == ValueKind::table) {
       reject_unknown(*item, "an entry of engines", {"engine", "knobs"});
-      const Value* engine = item->find("engine");
+      const InputValue* engine = item->find("engine");
       if (engine == nullptr) reject(item->at, "an entry of engines needs the key 'engine'");
       choice.selector =
           parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, true);
-      if (const Value* knobs = item->find("knobs")) {
+      if (const InputValue* knobs = item->find("knobs")) {
         choice.knobs = knob_axes(*knobs, choice.selector, catalogues);
       }
     } else {
@@ -56,19 +56,19 @@ std::vector<std::string> condition_names(const Scenario& scenario, const Catalog
   return names;
 }
 
-std::vector<Rule> rules(const Value& list, bool with_outcome, const Scenario& scenario,
+std::vector<Rule> rules(const InputValue& list, bool with_outcome, const Scenario& scenario,
                         const Catalogues& catalogues) {
   const std::string_view what = with_outcome ? "expect" : "except";
   std::vector<std::string> keys = {"engine", "when", "why"};
   if (with_outcome) keys.emplace_back("outcome");
   std::vector<Rule> result;
-  for (const Value& item : expect(list, what, ValueKind::array).items) {
+  for (const InputValue& item : expect(list, what, ValueKind::array).items) {
     expect(item, fmt::format("an entry of {}", what), ValueKind::table);
     reject_unknown(item, fmt::format("an entry of {}", what), keys);
     Rule rule;
-    const Value* engine = item.find("engine");
-    const Value* when = item.find("when");
-    const Value* why = item.find("why");
+    const InputValue* engine = item.find("engine");
+    const InputValue* when = item.find("when");
+    const InputValue* why = item.find("why");
     if (engine == nullptr && when == nullptr) {
       reject(item.at, fmt::format("an entry of {} needs 'engine' or 'when' or both", what));
     }
@@ -84,7 +84,7 @@ std::vector<Rule> rules(const Value& list, bool with_outcome, const Scenario& sc
                                   condition_names(scenario, catalogues));
     }
     if (with_outcome) {
-      const Value* outcome = item.find("outcome");
+      const InputValue* outcome = item.find("outcome");
       if (outcome == nullptr) reject(item.at, "an entry of expect needs 'outcome'");
       rule.outcome = filled_text(*outcome, "outcome");
       if (std::ranges::find(k_outcomes, rule.outcome) == k_outcomes.end()) {
@@ -97,16 +97,16 @@ std::vector<Rule> rules(const Value& list, bool with_outcome, const Scenario& sc
   return result;
 }
 
-std::uint64_t seed_number(const Value& value) {
+std::uint64_t seed_number(const InputValue& value) {
   const double seed = expect(value, "seeds", ValueKind::integer).number;
   if (seed < 1.0) reject(value.at, fmt::format("seeds: {} must be at least 1", seed));
   return static_cast<std::uint64_t>(seed);
 }
 
-std::vector<std::uint64_t> seed_list(const Value& value) {
+std::vector<std::uint64_t> seed_list(const InputValue& value) {
   std::vector<std::uint64_t> seeds;
   if (value.kind == ValueKind::array) {
-    for (const Value* item : one_or_more(value, "seeds")) {
+    for (const InputValue* item : one_or_more(value, "seeds")) {
       const std::uint64_t seed = seed_number(*item);
       if (std::ranges::find(seeds, seed) != seeds.end()) {
         reject(item->at, fmt::format("seeds lists {} twice", seed));
@@ -121,7 +121,7 @@ std::vector<std::uint64_t> seed_list(const Value& value) {
   return seeds;
 }
 
-Perturbation perturbation(const Value& table) {
+Perturbation perturbation(const InputValue& table) {
   expect(table, "perturb", ValueKind::table);
   reject_unknown(
       table, "perturb",
@@ -129,7 +129,7 @@ Perturbation perturbation(const Value& table) {
   Perturbation result;
   bool any = false;
   const auto read = [&](const char* name, double& size) {
-    const Value* value = table.find(name);
+    const InputValue* value = table.find(name);
     if (value == nullptr) return;
     size = positive_number(*value, name);
     any = true;
@@ -139,7 +139,7 @@ Perturbation perturbation(const Value& table) {
   read("velocity_mps", result.velocity_mps);
   read("angular_velocity_radps", result.angular_velocity_radps);
   if (!any) reject(table.at, "perturb names no quantity to perturb");
-  if (const Value* value = table.find("distribution")) {
+  if (const InputValue* value = table.find("distribution")) {
     result.distribution = filled_text(*value, "distribution");
     if (result.distribution != "normal" && result.distribution != "uniform") {
       reject(value->at, fmt::format("no distribution '{}'{}", result.distribution,
@@ -149,8 +149,8 @@ Perturbation perturbation(const Value& table) {
   return result;
 }
 
-std::vector<double> step_list(const Value& value, double duration_s) {
-  const Axis steps = axis("step_s", value, [&](const Value& item) {
+std::vector<double> step_list(const InputValue& value, double duration_s) {
+  const Axis steps = axis("step_s", value, [&](const InputValue& item) {
     const double step_s = positive_number(item, "step_s");
     const double count = duration_s / step_s;
     if (std::round(count) < 1.0 ||
@@ -165,11 +165,11 @@ std::vector<double> step_list(const Value& value, double duration_s) {
   return result;
 }
 
-std::vector<std::string> metric_list(const Value* value, const Catalogues& catalogues) {
+std::vector<std::string> metric_list(const InputValue* value, const Catalogues& catalogues) {
   const std::vector<std::string> known = names_of(catalogues.metrics);
   if (value == nullptr) return known;
   std::set<std::string> wanted;
-  for (const Value* item : one_or_more(*value, "metrics")) {
+  for (const InputValue* item : one_or_more(*value, "metrics")) {
     const std::string& name = filled_text(*item, "metrics");
     if (std::ranges::find(known, name) == known.end()) {
       reject(item->at, fmt::format("no metric '{}'{}", name, known_names(name, known)));
@@ -182,8 +182,8 @@ std::vector<std::string> metric_list(const Value* value, const Catalogues& catal
   return names;
 }
 
-const Scenario& scenario_of(const Value& table, const Catalogues& catalogues) {
-  const Value* name = table.find("scenario");
+const Scenario& scenario_of(const InputValue& table, const Catalogues& catalogues) {
+  const InputValue* name = table.find("scenario");
   if (name == nullptr) reject(table.at, "an experiment needs the key 'scenario'");
   const Scenario* scenario = find_scenario(catalogues, filled_text(*name, "scenario"));
   if (scenario == nullptr) {
@@ -193,61 +193,61 @@ const Scenario& scenario_of(const Value& table, const Catalogues& catalogues) {
   return *scenario;
 }
 
-const Value& required(const Value& table, const char* key) {
-  const Value* value = table.find(key);
+const InputValue& required(const InputValue& table, const char* key) {
+  const InputValue* value = table.find(key);
   if (value == nullptr) reject(table.at, fmt::format("an experiment needs the key '{}'", key));
   return *value;
 }
 
-Experiment experiment(const Value& table, const Catalogues& catalogues) {
+Experiment experiment(const InputValue& table, const Catalogues& catalogues) {
   expect(table, "experiment", ValueKind::table);
   reject_unknown(table, "an experiment", k_experiment_keys);
   const Scenario& scenario = scenario_of(table, catalogues);
   Experiment result;
   result.scenario = scenario.name;
   result.at = table.at;
-  const Value* name = table.find("name");
+  const InputValue* name = table.find("name");
   result.name = name == nullptr ? scenario.name : filled_text(*name, "name");
   result.engines = engine_choices(required(table, "engines"), catalogues);
-  const Value* duration = table.find("duration_s");
+  const InputValue* duration = table.find("duration_s");
   result.duration_s =
       duration == nullptr ? scenario.duration_s : positive_number(*duration, "duration_s");
   result.step_s = step_list(required(table, "step_s"), result.duration_s);
-  if (const Value* limit = table.find("time_limit_s")) {
+  if (const InputValue* limit = table.find("time_limit_s")) {
     result.time_limit_s = positive_number(*limit, "time_limit_s");
   }
   result.parameters_at = table.at;
-  if (const Value* parameters = table.find("parameters")) {
+  if (const InputValue* parameters = table.find("parameters")) {
     result.parameters = parameter_axes(scenario, *parameters);
     result.parameters_at = parameters->at;
   }
-  if (const Value* zip = table.find("zip")) result.zip = zip_groups(*zip, result.parameters);
-  const Value* seeds = table.find("seeds");
-  const Value* perturb = table.find("perturb");
+  if (const InputValue* zip = table.find("zip")) result.zip = zip_groups(*zip, result.parameters);
+  const InputValue* seeds = table.find("seeds");
+  const InputValue* perturb = table.find("perturb");
   if (seeds != nullptr && perturb == nullptr) {
     reject(seeds->at, "seeds without perturb would only repeat the same run");
   }
   if (perturb != nullptr && seeds == nullptr) reject(perturb->at, "perturb needs seeds");
   if (seeds != nullptr) result.seeds = seed_list(*seeds);
   if (perturb != nullptr) result.perturb = perturbation(*perturb);
-  if (const Value* list = table.find("except")) {
+  if (const InputValue* list = table.find("except")) {
     result.except = rules(*list, false, scenario, catalogues);
   }
-  if (const Value* list = table.find("expect")) {
+  if (const InputValue* list = table.find("expect")) {
     result.expected = rules(*list, true, scenario, catalogues);
   }
   result.metrics = metric_list(table.find("metrics"), catalogues);
   return result;
 }
 
-BenchChoice bench_choice(const Value& table, const Catalogues& catalogues) {
+BenchChoice bench_choice(const InputValue& table, const Catalogues& catalogues) {
   expect(table, "bench", ValueKind::table);
   reject_unknown(table, "bench", {"base", "repeat"});
-  const Value* base = table.find("base");
+  const InputValue* base = table.find("base");
   if (base == nullptr) reject(table.at, "bench needs the key 'base'");
   BenchChoice result;
   result.base = parse_selector(filled_text(*base, "base"), base->at, catalogues, false);
-  if (const Value* repeat = table.find("repeat")) {
+  if (const InputValue* repeat = table.find("repeat")) {
     const double rounds = expect(*repeat, "repeat", ValueKind::integer).number;
     if (rounds < 1.0 || rounds > 1000.0) reject(repeat->at, "repeat must be from 1 to 1000");
     result.repeat = static_cast<std::size_t>(rounds);
@@ -255,30 +255,31 @@ BenchChoice bench_choice(const Value& table, const Catalogues& catalogues) {
   return result;
 }
 
-Plan plan(const Value& table, const Catalogues& catalogues) {
+Plan plan(const InputValue& table, const Catalogues& catalogues) {
   reject_unknown(table, "a plan", k_plan_keys);
   Plan result;
-  const Value* title = table.find("title");
+  const InputValue* title = table.find("title");
   if (title == nullptr) reject({table.at.file, 0, 0}, "a plan needs the key 'title'");
   result.title = filled_text(*title, "title");
-  if (const Value* analysis = table.find("analysis")) {
+  if (const InputValue* analysis = table.find("analysis")) {
     result.analysis = expect(*analysis, "analysis", ValueKind::text).text;
   }
-  if (const Value* bench = table.find("bench")) result.bench = bench_choice(*bench, catalogues);
-  const Value* list = table.find("experiment");
+  if (const InputValue* bench = table.find("bench"))
+    result.bench = bench_choice(*bench, catalogues);
+  const InputValue* list = table.find("experiment");
   if (list == nullptr) reject({table.at.file, 0, 0}, "a plan needs at least one [[experiment]]");
   if (list->kind != ValueKind::array) {
     reject(list->at, "experiment must be an array of tables: write [[experiment]]");
   }
   std::set<std::string> names;
-  for (const Value& item : list->items) {
+  for (const InputValue& item : list->items) {
     result.experiments.push_back(experiment(item, catalogues));
     const std::string& name = result.experiments.back().name;
     if (!names.insert(name).second) {
       reject(item.at, fmt::format("two experiments are called '{}': give one a name", name));
     }
   }
-  if (const Value* trajectory = table.find("trajectory")) {
+  if (const InputValue* trajectory = table.find("trajectory")) {
     std::vector<std::string> known;
     for (const Experiment& item : result.experiments) {
       for (auto& quantity :

@@ -14,6 +14,6 @@ namespace brickbench {
 // values, and so fit parameters that count things. Throws InputError for anything else, for fewer
 // than 2 or more than 1000000 values, equal ends, and for a log scale with an end that is not
 // positive.
-std::vector<Value> range_values(const Value& table, std::string_view name);
+std::vector<InputValue> range_values(const InputValue& table, std::string_view name);
 
 }  // namespace brickbench

@@ -13,21 +13,21 @@ namespace {
 // The largest relative distance of every_s / step_s from a whole number: rounding of the quotient.
 constexpr double k_whole_steps_tolerance = 1e-9;
 
-bool truth(const Value& table, const char* name) {
-  const Value* value = table.find(name);
+bool truth(const InputValue& table, const char* name) {
+  const InputValue* value = table.find(name);
   return value != nullptr && expect(*value, name, ValueKind::boolean).number != 0.0;
 }
 
-TrajectoryPrecision precision_of(const Value& value) {
+TrajectoryPrecision precision_of(const InputValue& value) {
   const std::string& word = filled_text(value, "precision");
   if (word == "f64") return TrajectoryPrecision::f64;
   if (word == "f32") return TrajectoryPrecision::f32;
   reject(value.at, fmt::format("no precision '{}'{}", word, known_names(word, {"f64", "f32"})));
 }
 
-void read_every(const Value& table, TrajectoryChoice& choice) {
-  const Value* steps = table.find("every");
-  const Value* seconds = table.find("every_s");
+void read_every(const InputValue& table, TrajectoryChoice& choice) {
+  const InputValue* steps = table.find("every");
+  const InputValue* seconds = table.find("every_s");
   if (steps != nullptr && seconds != nullptr) {
     reject(seconds->at, "every and every_s say the same thing: give one of them");
   }
@@ -67,7 +67,7 @@ bool is_meant(const TrajectoryChoice& choice, const Cell& cell, const Catalogues
 
 }  // namespace
 
-TrajectoryChoice trajectory_choice(const Value& table, std::vector<std::string> names,
+TrajectoryChoice trajectory_choice(const InputValue& table, std::vector<std::string> names,
                                    const Catalogues& catalogues) {
   expect(table, "trajectory", ValueKind::table);
   reject_unknown(table, "trajectory",
@@ -75,14 +75,14 @@ TrajectoryChoice trajectory_choice(const Value& table, std::vector<std::string> 
   TrajectoryChoice choice;
   choice.at = table.at;
   read_every(table, choice);
-  if (const Value* value = table.find("precision")) choice.precision = precision_of(*value);
-  if (const Value* engines = table.find("engines")) {
-    for (const Value* item : one_or_more(*engines, "engines")) {
+  if (const InputValue* value = table.find("precision")) choice.precision = precision_of(*value);
+  if (const InputValue* engines = table.find("engines")) {
+    for (const InputValue* item : one_or_more(*engines, "engines")) {
       choice.engines.push_back(
           parse_selector(filled_text(*item, "engines"), item->at, catalogues, false));
     }
   }
-  if (const Value* cells = table.find("cells")) {
+  if (const InputValue* cells = table.find("cells")) {
     names.emplace_back("experiment");
     std::ranges::sort(names);
     names.erase(std::unique(names.begin(), names.end()), names.end());

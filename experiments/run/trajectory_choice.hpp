@@ -34,7 +34,7 @@ struct Recording {
 };
 
 // Reads the table; `names` are the quantities that its condition may use. Throws InputError.
-TrajectoryChoice trajectory_choice(const Value& table, std::vector<std::string> names,
+TrajectoryChoice trajectory_choice(const InputValue& table, std::vector<std::string> names,
                                    const Catalogues& catalogues);
 
 // Sets `recording` of the cells that the choice means. Throws InputError where `every_s` is not a

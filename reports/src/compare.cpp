@@ -156,7 +156,7 @@ std::optional<Change> change_between(const std::string& number, const Values& a,
 }
 
 void compare_facts(const ReportSource& a, const ReportSource& b,
-                   const std::map<std::string, std::string>& turned, Comparison& out) {
+                   const std::map<std::string, std::string>& turned, FolderComparison& out) {
   const auto fact = [&](const std::string& name, const std::string& before,
                         const std::string& after) {
     if (before != after) out.facts.push_back(fmt::format("{}: {} -> {}", name, before, after));
@@ -175,7 +175,7 @@ void compare_facts(const ReportSource& a, const ReportSource& b,
 }
 
 void compare_timings(const ReportSource& a, const ReportSource& b,
-                     const std::map<std::string, std::string>& turned, Comparison& out) {
+                     const std::map<std::string, std::string>& turned, FolderComparison& out) {
   const auto collect = [&](const ReportSource& source) {
     std::map<Key, std::vector<double>> medians;
     for (const Timing& timing : source.timings) {
@@ -213,8 +213,8 @@ double severity(const Change& change) {
 
 }  // namespace
 
-Comparison compare(const ReportSource& a, const ReportSource& b) {
-  Comparison out;
+FolderComparison compare(const ReportSource& a, const ReportSource& b) {
+  FolderComparison out;
   std::set<std::string> in_a;
   std::set<std::string> shared;
   for (const Row& row : a.rows) in_a.insert(row.experiment);

@@ -36,7 +36,7 @@ struct Change {
   bool worse = false;     // moved against the number's direction
 };
 
-struct Comparison {
+struct FolderComparison {
   std::vector<std::string> facts;  // what differs between the folders: revision, machine, axes...
   std::vector<Change> changes;     // outcomes first, then the largest relative difference
   std::vector<Change> timings;     // CPU per step beyond k_timing_noise_relative
@@ -50,17 +50,18 @@ struct Comparison {
 // Cells are paired by experiment, engine, variant, step, seed and axes; axes that differ between
 // the folders throughout (a parameter was set to another value) are named as a fact and not paired
 // on.
-Comparison compare(const ReportSource& a, const ReportSource& b);
+FolderComparison compare(const ReportSource& a, const ReportSource& b);
 
 // One sentence: "No number changed." or how many did and which most.
-std::string headline(const Comparison& comparison);
+std::string headline(const FolderComparison& comparison);
 // At most `rows` changes beyond noise.
-Table changes_table(const Comparison& comparison, std::size_t rows);
-Table timings_table(const Comparison& comparison);
+Table changes_table(const FolderComparison& comparison, std::size_t rows);
+Table timings_table(const FolderComparison& comparison);
 
-std::string compare_markdown(const Comparison& comparison, const std::string& a,
+std::string compare_markdown(const FolderComparison& comparison, const std::string& a,
                              const std::string& b);
 // The body of a page.
-std::string compare_html(const Comparison& comparison, const std::string& a, const std::string& b);
+std::string compare_html(const FolderComparison& comparison, const std::string& a,
+                         const std::string& b);
 
 }  // namespace brickbench

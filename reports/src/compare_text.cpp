@@ -47,7 +47,7 @@ std::string html_list(const std::vector<std::string>& items) {
 
 }  // namespace
 
-std::string headline(const Comparison& comparison) {
+std::string headline(const FolderComparison& comparison) {
   if (comparison.compared == 0) return "The two folders share no cell.";
   const std::string share =
       fmt::format("{} of {} numbers are identical", comparison.same, comparison.compared);
@@ -68,7 +68,7 @@ std::string headline(const Comparison& comparison) {
   return line;
 }
 
-Table changes_table(const Comparison& comparison, std::size_t rows) {
+Table changes_table(const FolderComparison& comparison, std::size_t rows) {
   Table table;
   table.header = {"engine", "scene", "number", "before", "after", "change", "noise"};
   for (const Change& change : comparison.changes) {
@@ -78,14 +78,14 @@ Table changes_table(const Comparison& comparison, std::size_t rows) {
   return table;
 }
 
-Table timings_table(const Comparison& comparison) {
+Table timings_table(const FolderComparison& comparison) {
   Table table;
   table.header = {"engine", "experiment", "number", "before", "after", "change", "noise"};
   for (const Change& change : comparison.timings) table.rows.push_back(row_of(change));
   return table;
 }
 
-std::string compare_markdown(const Comparison& comparison, const std::string& a,
+std::string compare_markdown(const FolderComparison& comparison, const std::string& a,
                              const std::string& b) {
   std::string out = fmt::format("# {} -> {}\n\n{}\n\n", a, b, headline(comparison));
   out += list_text("What differs between the two:", comparison.facts, "- ");
@@ -104,7 +104,8 @@ std::string compare_markdown(const Comparison& comparison, const std::string& a,
   return out;
 }
 
-std::string compare_html(const Comparison& comparison, const std::string& a, const std::string& b) {
+std::string compare_html(const FolderComparison& comparison, const std::string& a,
+                         const std::string& b) {
   const Palette palette;
   std::string out = fmt::format("<header><h1>{} \xE2\x86\x92 {}</h1></header>\n", escape_markup(a),
                                 escape_markup(b));

@@ -45,7 +45,9 @@ nlohmann::ordered_json rounded(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string Axis::text() const { return unit == "1" ? label : fmt::format("{} ({})", label, unit); }
+std::string FigureAxis::text() const {
+  return unit == "1" ? label : fmt::format("{} ({})", label, unit);
+}
 
 std::string file_id(const std::string& text) {
   std::string id;

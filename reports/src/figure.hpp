@@ -18,7 +18,7 @@ struct Curve {
   std::string note;          // shown after the label in the legend: "order 1.02"
 };
 
-struct Axis {
+struct FigureAxis {
   std::string label;
   std::string unit;  // "1" for pure numbers
   bool logarithmic = false;
@@ -33,8 +33,8 @@ struct Figure {
   std::string scene;    // label of the scene, or of the scene without its step; may be empty
   std::string heading;  // the title on a page that groups by scene; empty: the title
   std::string caption;  // may be empty
-  Axis x;
-  Axis y;
+  FigureAxis x;
+  FigureAxis y;
   bool over_time = false;  // x is the replay's time
   bool lines = true;
   bool markers = false;

@@ -105,7 +105,7 @@ std::string order_note(const Json& result) {
 
 // One figure per case of orders.json; `kind` begins the id, `x_key` names the rung's abscissa.
 std::vector<Figure> orders(const ReportSource& source, Palette& palette, const std::string& kind,
-                           const std::string& title, const Axis& x, const char* x_key) {
+                           const std::string& title, const FigureAxis& x, const char* x_key) {
   std::vector<Figure> figures;
   std::map<std::string, std::size_t> known;
   if (source.orders.is_null()) return figures;

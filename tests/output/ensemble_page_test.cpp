@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* k_hostile = "<script>alert('x')</script>&\"|";
+constexpr const char* k_hostile_page = "<script>alert('x')</script>&\"|";
 constexpr std::size_t k_starts = 21;
 
 void add_run(ReportSource& source, const std::string& engine, const std::string& axes,
@@ -191,13 +191,13 @@ TEST(Ensembles, GoldenBytes) {
 }
 
 TEST(Ensembles, InputIsEscaped) {
-  auto folder = source({{"ant", 0.0}, {k_hostile, 1.0}}, std::string("wall=") + k_hostile);
+  auto folder = source({{"ant", 0.0}, {k_hostile_page, 1.0}}, std::string("wall=") + k_hostile_page);
   for (Row& row : folder.rows) {
-    row.metric = k_hostile;
-    row.unit = k_hostile;
-    row.experiment = k_hostile;
+    row.metric = k_hostile_page;
+    row.unit = k_hostile_page;
+    row.experiment = k_hostile_page;
   }
-  for (SeriesPoint& point : folder.series) point.curve = point.unit = k_hostile;
+  for (SeriesPoint& point : folder.series) point.curve = point.unit = k_hostile_page;
   Ensembles ensembles = ensembles_within(folder, "");
   pretend(ensembles);
   ASSERT_EQ(ensembles.pairs.size(), 1u);

@@ -301,7 +301,7 @@ TEST(Replays, Base64GoesBothWays) {
 
 TEST(Compare, ARunWithItselfHasNoChange) {
   const ReportSource one = source("one", "gravity_mps2=9.81", 1.0);
-  const Comparison comparison = compare(one, one);
+  const FolderComparison comparison = compare(one, one);
   EXPECT_EQ(comparison.compared, 4U);
   EXPECT_EQ(comparison.same, 4U);
   EXPECT_TRUE(comparison.changes.empty());
@@ -310,7 +310,7 @@ TEST(Compare, ARunWithItselfHasNoChange) {
 }
 
 TEST(Compare, ATurnedParameterIsNamedAndItsEffectMeasured) {
-  const Comparison comparison =
+  const FolderComparison comparison =
       compare(source("one", "gravity_mps2=9.81", 1.0), source("two", "gravity_mps2=9.9081", 1.01));
   ASSERT_EQ(comparison.facts.size(), 1U);
   EXPECT_EQ(comparison.facts.front(), "wall/gravity_mps2: 9.81 -> 9.9081");
@@ -332,7 +332,7 @@ TEST(Compare, SeedsMeasureTheNoise) {
   EXPECT_EQ(compare(one, two).beyond_noise, 1U);
   two.rows.back().value.reset();
   two.rows.back().outcome = "diverged";
-  const Comparison lost = compare(one, two);
+  const FolderComparison lost = compare(one, two);
   EXPECT_EQ(lost.changes.front().words, "ok -> 2 ok, some diverged");
 }
 
