@@ -6,15 +6,16 @@
 namespace ourengine {
 namespace {
 
-// Zeros that a front may store for being larger, over all its blocks; more for small ones.
-constexpr double kZeros = 0.15;
+// Zeros that a front may store, over all its blocks: 0.05 to 0.2 cost the same on walls.
+
+constexpr double kZeros = 0.1;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::size_t round_up(std::size_t n) { return (n + 7) / 8 * 8; }
 
-// The last column of the front of each first column: a column joins that of its only or last child
-// as long as few zeros have to be stored for it.
+// First columns and numbers of columns: a column joins the front of its child that comes just
+// before it as long as few zeros have to be stored for that.
 std::vector<Front> join_columns(const std::vector<std::vector<int>>& below) {
   std::vector<Front> fronts;
   const int n = static_cast<int>(below.size());
@@ -129,8 +130,8 @@ class Builder {
     int to = 0;
     for (int from = front.columns; from < front.rows; ++from, ++to) {
       while (out_.row[at(above.row_begin + to)] != out_.row[at(front.row_begin + from)]) ++to;
-      const bool joined = front.run_end > front.run_begin &&
-                          out_.run.back().to + out_.run.back().length == to;
+      const bool joined =
+          front.run_end > front.run_begin && out_.run.back().to + out_.run.back().length == to;
       if (joined) {
         ++out_.run.back().length;
       } else {

@@ -31,6 +31,28 @@ struct Front {
   std::size_t update_lead() const { return lead - skip; }
 };
 
+// A front in memory while it is worked on. Rows and columns are scalar ones of the front, and only
+// the lower part has a meaning.
+struct FrontWork {
+  const Front& front;
+  double* panel;
+  double* update;
+
+  std::size_t pivots() const { return 6 * static_cast<std::size_t>(front.columns); }
+  std::size_t rows() const { return 6 * static_cast<std::size_t>(front.rows); }
+  double* entry(std::size_t row, std::size_t column) const {
+    if (column < pivots()) return panel + column * front.lead + row;
+    return update + (column - pivots()) * front.update_lead() + (row - front.skip);
+  }
+  std::size_t lead(std::size_t column) const {
+    return column < pivots() ? front.lead : front.update_lead();
+  }
+};
+
+inline FrontWork work_on(const Front& front, double* panels, double* updates) {
+  return {front, panels + front.panel, updates + front.update};
+}
+
 // Consecutive block rows of a front that are consecutive in its parent as well.
 struct FrontRun {
   int from = 0;  // local row of the front, at least `columns`

@@ -61,6 +61,31 @@ HWY_INLINE void add_outer(const V left, const double* scaled, Columns& c) {
   c.c5 = hn::MulAdd(left, hn::Set(d, scaled[5]), c.c5);
 }
 
+// Rows of one contact towards one body, weighted: scaled[8 k ..] = sum_l D_kl row_l.
+template <int kComponents>
+HWY_INLINE void scale_rows(const double* rows, const double* d, std::size_t n, std::size_t i,
+                           double* scaled) {
+  const D tag;
+  for (std::size_t part = 0; part < 6; part += kLanes) {
+    if constexpr (kComponents == 1) {
+      hn::Store(hn::Mul(hn::Set(tag, d[i]), hn::Load(tag, rows + part)), tag, scaled + part);
+    } else {
+      const V r0 = hn::Load(tag, rows + part), r1 = hn::Load(tag, rows + 16 + part),
+              r2 = hn::Load(tag, rows + 32 + part);
+      const V d01 = hn::Set(tag, d[n + i]), d02 = hn::Set(tag, d[2 * n + i]),
+              d12 = hn::Set(tag, d[4 * n + i]);
+      const V s0 = hn::MulAdd(d02, r2, hn::MulAdd(d01, r1, hn::Mul(hn::Set(tag, d[i]), r0)));
+      const V s1 =
+          hn::MulAdd(d12, r2, hn::MulAdd(hn::Set(tag, d[3 * n + i]), r1, hn::Mul(d01, r0)));
+      const V s2 =
+          hn::MulAdd(hn::Set(tag, d[5 * n + i]), r2, hn::MulAdd(d12, r1, hn::Mul(d02, r0)));
+      hn::Store(s0, tag, scaled + part);
+      hn::Store(s1, tag, scaled + 8 + part);
+      hn::Store(s2, tag, scaled + 16 + part);
+    }
+  }
+}
+
 }  // namespace ourengine::linear::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -9,6 +9,7 @@ const Kernels& simd_kernels() {
     Kernels kernels{};
     linear::add_products(kernels);
     linear::add_factorisations(kernels);
+    linear::add_fronts(kernels);
     return kernels;
   }();
   return chosen;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "ourengine/contact/aligned.hpp"
+#include "ourengine/contact/fronts.hpp"
 
 namespace ourengine {
 
@@ -55,7 +56,30 @@ struct SystemView {
   const double* mass = nullptr;  // one 6x6 block per body
 };
 
-// Where the blocks of a pair go in the factor.
+// A pair of moving bodies in the front that eliminates the first of them.
+struct FrontPair {
+  int pair = 0;
+  int row = 0;  // local block row of the later body
+  int column = 0;
+  bool a_below = false;  // the later body is a
+};
+
+// A pair as one of its bodies has it.
+struct PairSide {
+  int pair = 0;
+  bool of_b = false;
+};
+
+// The fronts of a compiled contact system.
+struct FrontalView {
+  const FrontPattern* fronts = nullptr;
+  const FrontPair* pairs = nullptr;  // front by front
+  const int* pair_begin = nullptr;   // fronts + 1
+  const PairSide* sides = nullptr;   // body by body
+  const int* side_begin = nullptr;   // bodies + 1
+};
+
+// Where the blocks of a pair go in the LU factor.
 struct PairTarget {
   int diagonal_a = -1;  // block index, or -1 if the body is fixed
   int diagonal_b = -1;
@@ -69,17 +93,22 @@ struct Kernels {
   void (*multiply_j)(const SystemView& system, const double* v, bool with_bias, double* w);
   // g += J^T f.
   void (*multiply_jt)(const SystemView& system, const double* f, double* g);
-  // blocks = M + J^T D J, lower part. D per contact: components == 1: one number;
-  // components == 3: symmetric, 00 01 02 11 12 22, each with `stride`.
-  void (*assemble)(const SystemView& system, const double* d, const PairTarget* targets,
-                   const BlockPattern& pattern, double* blocks);
-  // In place: blocks of L; diagonal blocks hold the inverse of their factor. False if a pivot was
-  // not positive (the factor is then of a modified matrix).
-  bool (*factor)(const BlockPattern& pattern, int* scratch_columns, double* blocks);
-  // Solves L L^T x = x in place; x has 8 doubles per column.
-  void (*solve)(const BlockPattern& pattern, const double* blocks, double* x);
 
-  // The same three for H with weights D that are not symmetric (3 components, D_kl at
+  // Cholesky factorisation of H = M + J^T D J, by fronts (fronts.hpp): fronts task.begin .. end, of
+  // which the children outside the task are done. D per contact: components == 1: one number;
+  // components == 3: symmetric, 00 01 02 11 12 22, each with `stride`. Leaves the panels, where
+  // diagonal blocks hold the inverse of their factor. False if a pivot was not positive (the factor
+  // is then of a modified matrix).
+  bool (*factor_fronts)(const SystemView& system, const FrontalView& fronts, const double* d,
+                        FrontTask task, double* panels, double* updates);
+  // x = L^-1 x and x = L^-T x, 8 doubles per column; tasks forward in order, backward in reverse.
+  // `vectors` is work.
+  void (*solve_fronts_forward)(const FrontalView& fronts, FrontTask task, const double* panels,
+                               double* vectors, double* x);
+  void (*solve_fronts_backward)(const FrontalView& fronts, FrontTask task, const double* panels,
+                                double* vectors, double* x);
+
+  // LU factorisation of H with weights D that are not symmetric (3 components, D_kl at
   // (3 k + l) * stride): H = L U without pivoting between blocks. `lower` holds H's lower part,
   // `upper` the transpose of its upper part, both on the pattern; the diagonal is in `lower`, where
   // the factorisation leaves its inverse. False if a diagonal block was singular.

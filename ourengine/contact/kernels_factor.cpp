@@ -66,110 +66,6 @@ HWY_INLINE void update_two(const double* left, const double* right, double* targ
   }
 }
 
-// Cholesky of the diagonal block, replaced by the inverse of its factor (upper part zero).
-HWY_INLINE bool invert_diagonal(double* block) {
-  bool positive = true;
-  double l[6][6], reciprocal[6], inverse[6][6] = {};
-  for (int a = 0; a < 6; ++a) {
-    double pivot = block[9 * a];
-    for (int k = 0; k < a; ++k) pivot -= l[a][k] * l[a][k];
-    if (!(pivot > 0.0)) {
-      positive = false;
-      pivot = std::numeric_limits<double>::max();
-    }
-    reciprocal[a] = 1.0 / std::sqrt(pivot);
-    for (int b = a + 1; b < 6; ++b) {
-      double sum = block[8 * a + b];
-      for (int k = 0; k < a; ++k) sum -= l[b][k] * l[a][k];
-      l[b][a] = sum * reciprocal[a];
-    }
-  }
-  for (int c = 0; c < 6; ++c) {
-    inverse[c][c] = reciprocal[c];
-    for (int r = c + 1; r < 6; ++r) {
-      double sum = 0.0;
-      for (int k = c; k < r; ++k) sum -= l[r][k] * inverse[k][c];
-      inverse[r][c] = sum * reciprocal[r];
-    }
-  }
-  for (int c = 0; c < 6; ++c) {
-    for (int r = 0; r < 6; ++r) block[8 * c + r] = inverse[r][c];
-  }
-  return positive;
-}
-
-// block <- block * inverse^T, with the lower-triangular inverse of the diagonal factor.
-HWY_INLINE void scale_block(const double* inverse, double* block) {
-  const D d;
-  for (std::size_t part = 0; part < 6; part += kLanes) {
-    const Columns a = load_columns(block + part);
-    const V column[6] = {a.c0, a.c1, a.c2, a.c3, a.c4, a.c5};
-    for (std::size_t r = 0; r < 6; ++r) {
-      V sum = hn::Mul(column[0], hn::Set(d, inverse[r]));
-      for (std::size_t k = 1; k <= r; ++k)
-        sum = hn::MulAdd(column[k], hn::Set(d, inverse[8 * k + r]), sum);
-      hn::Store(sum, d, block + 8 * r + part);
-    }
-  }
-}
-
-bool factor(const BlockPattern& pattern, int* block_of_row, double* blocks) {
-  bool positive = true;
-  const int* column_begin = pattern.column_begin.data();
-  const int* row = pattern.row.data();
-  for (int j = 0; j < pattern.columns; ++j) {
-    const int begin = column_begin[j], end = column_begin[j + 1];
-    for (int q = begin; q < end; ++q) block_of_row[row[q]] = q;
-    for (int t = pattern.row_begin[at(j)]; t < pattern.row_begin[at(j + 1)]; ++t) {
-      int q = pattern.row_block[at(t)];
-      const double* right = blocks + kBlock * at(q);
-      const int last = column_begin[pattern.row_column[at(t)] + 1];
-      for (; q + 1 < last; q += 2) {
-        update_two(blocks + kBlock * at(q), right, blocks + kBlock * at(block_of_row[row[q]]),
-                   blocks + kBlock * at(block_of_row[row[q + 1]]));
-      }
-      if (q < last) {
-        update(blocks + kBlock * at(q), right, blocks + kBlock * at(block_of_row[row[q]]));
-      }
-    }
-    double* diagonal = blocks + kBlock * at(begin);
-    positive = invert_diagonal(diagonal) && positive;
-    for (int q = begin + 1; q < end; ++q) scale_block(diagonal, blocks + kBlock * at(q));
-  }
-  return positive;
-}
-
-HWY_INLINE void solve_forward(const BlockPattern& pattern, const double* blocks, double* x) {
-  const D d;
-  for (int j = 0; j < pattern.columns; ++j) {
-    const int begin = pattern.column_begin[at(j)], end = pattern.column_begin[at(j + 1)];
-    const double* inverse = blocks + kBlock * at(begin);
-    double* own = x + kBodyStride * at(j);
-    double y[6];
-    std::memcpy(y, own, sizeof y);
-    for (std::size_t part = 0; part < 6; part += kLanes) {
-      V sum = hn::Mul(hn::Load(d, inverse + part), hn::Set(d, y[0]));
-      for (std::size_t k = 1; k < 6; ++k)
-        sum = hn::MulAdd(hn::Load(d, inverse + 8 * k + part), hn::Set(d, y[k]), sum);
-      hn::Store(sum, d, own + part);
-    }
-    for (int q = begin + 1; q < end; ++q) {
-      double* other = x + kBodyStride * at(pattern.row[at(q)]);
-      for (std::size_t part = 0; part < 6; part += kLanes) {
-        const Columns a = load_columns(blocks + kBlock * at(q) + part);
-        V sum = hn::Load(d, other + part);
-        sum = hn::NegMulAdd(a.c0, hn::Set(d, own[0]), sum);
-        sum = hn::NegMulAdd(a.c1, hn::Set(d, own[1]), sum);
-        sum = hn::NegMulAdd(a.c2, hn::Set(d, own[2]), sum);
-        sum = hn::NegMulAdd(a.c3, hn::Set(d, own[3]), sum);
-        sum = hn::NegMulAdd(a.c4, hn::Set(d, own[4]), sum);
-        sum = hn::NegMulAdd(a.c5, hn::Set(d, own[5]), sum);
-        hn::Store(sum, d, other + part);
-      }
-    }
-  }
-}
-
 // lanes[8 c ..]: lane sums of (block column c) . x over the blocks below the diagonal of column j.
 HWY_INLINE void sum_transposed(const BlockPattern& pattern, const double* blocks, const double* x,
                                int j, double* lanes) {
@@ -197,27 +93,6 @@ HWY_INLINE void sum_transposed(const BlockPattern& pattern, const double* blocks
 
 HWY_INLINE double sum_of_lanes(const double* l) {
   return ((l[0] + l[1]) + (l[2] + l[3])) + (l[4] + l[5]);
-}
-
-HWY_INLINE void solve_backward(const BlockPattern& pattern, const double* blocks, double* x) {
-  HWY_ALIGN double lanes[kBlockSize];
-  for (int j = pattern.columns - 1; j >= 0; --j) {
-    double* own = x + kBodyStride * at(j);
-    sum_transposed(pattern, blocks, x, j, lanes);
-    double y[6];
-    for (std::size_t c = 0; c < 6; ++c) y[c] = own[c] - sum_of_lanes(lanes + 8 * c);
-    const double* inverse = blocks + kBlock * at(pattern.column_begin[at(j)]);
-    for (std::size_t c = 0; c < 6; ++c) {
-      double sum = 0.0;
-      for (std::size_t r = c; r < 6; ++r) sum += inverse[8 * c + r] * y[r];
-      own[c] = sum;
-    }
-  }
-}
-
-void solve(const BlockPattern& pattern, const double* blocks, double* x) {
-  solve_forward(pattern, blocks, x);
-  solve_backward(pattern, blocks, x);
 }
 
 // block <- block * diagonal, both general.
@@ -305,8 +180,6 @@ void solve_general(const BlockPattern& pattern, const double* lower, const doubl
 }
 
 void fill_factorisations(Kernels& kernels) {
-  kernels.factor = factor;
-  kernels.solve = solve;
   kernels.factor_general = factor_general;
   kernels.solve_general = solve_general;
 }

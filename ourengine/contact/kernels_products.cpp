@@ -84,80 +84,6 @@ void multiply_jt(const SystemView& s, const double* f, double* g) {
     multiply_jt_rows<3>(s, f, g);
 }
 
-// scaled rows of one contact: scaled[k] = sum_l D_kl row_l, 16 doubles each.
-template <int kComponents>
-HWY_INLINE void scale_rows(const double* rows, const double* d, std::size_t n, std::size_t i,
-                           double* scaled) {
-  const D tag;
-  for (std::size_t part = 0; part < 16; part += kLanes) {
-    if constexpr (kComponents == 1) {
-      hn::Store(hn::Mul(hn::Set(tag, d[i]), hn::Load(tag, rows + part)), tag, scaled + part);
-    } else {
-      const V r0 = hn::Load(tag, rows + part), r1 = hn::Load(tag, rows + 16 + part),
-              r2 = hn::Load(tag, rows + 32 + part);
-      const V d01 = hn::Set(tag, d[n + i]), d02 = hn::Set(tag, d[2 * n + i]),
-              d12 = hn::Set(tag, d[4 * n + i]);
-      const V s0 = hn::MulAdd(d02, r2, hn::MulAdd(d01, r1, hn::Mul(hn::Set(tag, d[i]), r0)));
-      const V s1 =
-          hn::MulAdd(d12, r2, hn::MulAdd(hn::Set(tag, d[3 * n + i]), r1, hn::Mul(d01, r0)));
-      const V s2 =
-          hn::MulAdd(hn::Set(tag, d[5 * n + i]), r2, hn::MulAdd(d12, r1, hn::Mul(d02, r0)));
-      hn::Store(s0, tag, scaled + part);
-      hn::Store(s1, tag, scaled + 16 + part);
-      hn::Store(s2, tag, scaled + 32 + part);
-    }
-  }
-}
-
-template <int kComponents>
-HWY_INLINE void assemble_pair(const SystemView& s, const double* d, const ContactPair& pair,
-                              const PairTarget& target, double* blocks) {
-  const D tag;
-  const std::size_t n = at(s.stride);
-  HWY_ALIGN double scaled[16 * kComponents];
-  for (std::size_t part = 0; part < 6; part += kLanes) {
-    Columns aa = zero_columns(), bb = zero_columns(), ab = zero_columns();
-    bool loaded = false;
-    for (std::size_t i = at(pair.begin); i < at(pair.end); ++i) {
-      const double* rows = s.rows + 16 * at(kComponents) * i;
-      if (d[i] == 0.0 && (kComponents == 1 || (d[3 * n + i] == 0.0 && d[5 * n + i] == 0.0)))
-        continue;
-      loaded = true;
-      scale_rows<kComponents>(rows, d, n, i, scaled);
-      for (std::size_t k = 0; k < kComponents; ++k) {
-        const V left_a = hn::Load(tag, rows + 16 * k + part);
-        const V left_b = hn::Load(tag, rows + 16 * k + 8 + part);
-        if (target.diagonal_a >= 0) add_outer(left_a, scaled + 16 * k, aa);
-        if (target.diagonal_b >= 0) add_outer(left_b, scaled + 16 * k + 8, bb);
-        if (target.off_diagonal < 0) continue;
-        if (target.a_below)
-          add_outer(left_a, scaled + 16 * k + 8, ab);
-        else
-          add_outer(left_b, scaled + 16 * k, ab);
-      }
-    }
-    if (!loaded) return;
-    if (target.diagonal_a >= 0) add_columns(aa, blocks + kBlock * at(target.diagonal_a) + part);
-    if (target.diagonal_b >= 0) add_columns(bb, blocks + kBlock * at(target.diagonal_b) + part);
-    if (target.off_diagonal >= 0) add_columns(ab, blocks + kBlock * at(target.off_diagonal) + part);
-  }
-}
-
-void assemble(const SystemView& s, const double* d, const PairTarget* targets,
-              const BlockPattern& pattern, double* blocks) {
-  std::memset(blocks, 0, kBlock * pattern.row.size() * sizeof(double));
-  for (int j = 0; j < s.bodies; ++j) {
-    std::memcpy(blocks + kBlock * at(pattern.column_begin[at(j)]), s.mass + kBlock * at(j),
-                kBlock * sizeof(double));
-  }
-  for (int p = 0; p < s.pair_count; ++p) {
-    if (s.components == 1)
-      assemble_pair<1>(s, d, s.pairs[p], targets[p], blocks);
-    else
-      assemble_pair<3>(s, d, s.pairs[p], targets[p], blocks);
-  }
-}
-
 // scaled[k] = sum_l D_kl row_l for weights that are not symmetric.
 HWY_INLINE void scale_rows_general(const double* rows, const double* d, std::size_t n,
                                    std::size_t i, double* scaled) {
@@ -224,7 +150,6 @@ void fill_products(Kernels& kernels) {
   kernels.name = hwy::TargetName(HWY_TARGET);
   kernels.multiply_j = multiply_j;
   kernels.multiply_jt = multiply_jt;
-  kernels.assemble = assemble;
   kernels.assemble_general = assemble_general;
 }
 

@@ -1,10 +1,10 @@
+#include "ourengine/contact/kernels_scalar.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <utility>
-
-#include "ourengine/contact/kernels.hpp"
 
 namespace ourengine {
 namespace {
@@ -46,146 +46,6 @@ void multiply_jt(const SystemView& s, const double* f, double* g) {
 void add_outer(const double* left, const double* scaled, double* block) {
   for (int c = 0; c < 6; ++c) {
     for (int r = 0; r < 6; ++r) block[8 * c + r] += left[r] * scaled[c];
-  }
-}
-
-void assemble(const SystemView& s, const double* d, const PairTarget* targets,
-              const BlockPattern& pattern, double* blocks) {
-  std::fill(blocks, blocks + at(kBlockSize) * pattern.row.size(), 0.0);
-  for (int j = 0; j < s.bodies; ++j) {
-    std::copy_n(s.mass + at(kBlockSize) * at(j), kBlockSize,
-                blocks + at(kBlockSize) * at(pattern.column_begin[at(j)]));
-  }
-  constexpr int kSymmetric[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  for (int p = 0; p < s.pair_count; ++p) {
-    const PairTarget& target = targets[p];
-    for (int i = s.pairs[p].begin; i < s.pairs[p].end; ++i) {
-      for (int k = 0; k < s.components; ++k) {
-        double scaled[16] = {};
-        for (int l = 0; l < s.components; ++l) {
-          const double* row = row_of(s, i, l);
-          const double weight = d[at(kSymmetric[k][l]) * at(s.stride) + at(i)];
-          for (int c = 0; c < 16; ++c) scaled[c] += weight * row[c];
-        }
-        const double* row = row_of(s, i, k);
-        if (target.diagonal_a >= 0)
-          add_outer(row, scaled, blocks + at(kBlockSize) * at(target.diagonal_a));
-        if (target.diagonal_b >= 0)
-          add_outer(row + 8, scaled + 8, blocks + at(kBlockSize) * at(target.diagonal_b));
-        if (target.off_diagonal >= 0) {
-          double* block = blocks + at(kBlockSize) * at(target.off_diagonal);
-          if (target.a_below)
-            add_outer(row, scaled + 8, block);
-          else
-            add_outer(row + 8, scaled, block);
-        }
-      }
-    }
-  }
-}
-
-// Cholesky of the diagonal block (column major, leading dimension 8), replaced by the inverse of
-// its lower factor.
-bool invert_diagonal(double* block) {
-  bool positive = true;
-  double l[6][6] = {};
-  double inverse[6][6] = {};
-  for (int a = 0; a < 6; ++a) {
-    double pivot = block[8 * a + a];
-    for (int k = 0; k < a; ++k) pivot -= l[a][k] * l[a][k];
-    if (!(pivot > 0.0)) {
-      positive = false;
-      pivot = std::numeric_limits<double>::max();
-    }
-    l[a][a] = std::sqrt(pivot);
-    for (int b = a + 1; b < 6; ++b) {
-      double sum = block[8 * a + b];
-      for (int k = 0; k < a; ++k) sum -= l[b][k] * l[a][k];
-      l[b][a] = sum / l[a][a];
-    }
-  }
-  for (int c = 0; c < 6; ++c) {
-    for (int r = c; r < 6; ++r) {
-      double sum = r == c ? 1.0 : 0.0;
-      for (int k = c; k < r; ++k) sum -= l[r][k] * inverse[k][c];
-      inverse[r][c] = sum / l[r][r];
-    }
-  }
-  for (int c = 0; c < 6; ++c) {
-    for (int r = 0; r < 6; ++r) block[8 * c + r] = inverse[r][c];
-  }
-  return positive;
-}
-
-bool factor(const BlockPattern& pattern, int* block_of_row, double* blocks) {
-  bool positive = true;
-  for (int j = 0; j < pattern.columns; ++j) {
-    const int begin = pattern.column_begin[at(j)];
-    const int end = pattern.column_begin[at(j + 1)];
-    for (int q = begin; q < end; ++q) block_of_row[pattern.row[at(q)]] = q;
-    for (int t = pattern.row_begin[at(j)]; t < pattern.row_begin[at(j + 1)]; ++t) {
-      const int first = pattern.row_block[at(t)];
-      const double* right = blocks + at(kBlockSize) * at(first);
-      for (int q = first; q < pattern.column_begin[at(pattern.row_column[at(t)] + 1)]; ++q) {
-        const double* left = blocks + at(kBlockSize) * at(q);
-        double* target = blocks + at(kBlockSize) * at(block_of_row[pattern.row[at(q)]]);
-        for (int c = 0; c < 6; ++c) {
-          for (int k = 0; k < 6; ++k) {
-            for (int r = 0; r < 6; ++r) target[8 * c + r] -= left[8 * k + r] * right[8 * k + c];
-          }
-        }
-      }
-    }
-    double* diagonal = blocks + at(kBlockSize) * at(begin);
-    positive = invert_diagonal(diagonal) && positive;
-    for (int q = begin + 1; q < end; ++q) {  // block <- block * L_jj^-T
-      double* block = blocks + at(kBlockSize) * at(q);
-      for (int r = 0; r < 6; ++r) {
-        double out[6] = {};
-        for (int c = 0; c < 6; ++c) {
-          for (int k = 0; k <= c; ++k) out[c] += block[8 * k + r] * diagonal[8 * k + c];
-        }
-        for (int c = 0; c < 6; ++c) block[8 * c + r] = out[c];
-      }
-    }
-  }
-  return positive;
-}
-
-void solve(const BlockPattern& pattern, const double* blocks, double* x) {
-  for (int j = 0; j < pattern.columns; ++j) {
-    const int begin = pattern.column_begin[at(j)];
-    const double* inverse = blocks + at(kBlockSize) * at(begin);
-    double* own = x + at(kBodyStride) * at(j);
-    double y[6] = {};
-    for (int c = 0; c < 6; ++c) {
-      for (int r = 0; r < 6; ++r) y[r] += inverse[8 * c + r] * own[c];
-    }
-    std::copy_n(y, 6, own);
-    for (int q = begin + 1; q < pattern.column_begin[at(j + 1)]; ++q) {
-      const double* block = blocks + at(kBlockSize) * at(q);
-      double* other = x + at(kBodyStride) * at(pattern.row[at(q)]);
-      for (int c = 0; c < 6; ++c) {
-        for (int r = 0; r < 6; ++r) other[r] -= block[8 * c + r] * own[c];
-      }
-    }
-  }
-  for (int j = pattern.columns - 1; j >= 0; --j) {
-    const int begin = pattern.column_begin[at(j)];
-    double* own = x + at(kBodyStride) * at(j);
-    for (int q = begin + 1; q < pattern.column_begin[at(j + 1)]; ++q) {
-      const double* block = blocks + at(kBlockSize) * at(q);
-      const double* other = x + at(kBodyStride) * at(pattern.row[at(q)]);
-      for (int c = 0; c < 6; ++c) {
-        for (int r = 0; r < 6; ++r) own[c] -= block[8 * c + r] * other[r];
-      }
-    }
-    const double* inverse = blocks + at(kBlockSize) * at(begin);
-    double y[6] = {};
-    for (int c = 0; c < 6; ++c) {
-      for (int r = c; r < 6; ++r) y[c] += inverse[8 * c + r] * own[r];
-    }
-    std::copy_n(y, 6, own);
   }
 }
 
@@ -334,9 +194,15 @@ bool invert_general_block(double* block) {
 }
 
 const Kernels& scalar_kernels() {
-  static constexpr Kernels kernels = {"scalar",         multiply_j,     multiply_jt,
-                                      assemble,         factor,         solve,
-                                      assemble_general, factor_general, solve_general};
+  static constexpr Kernels kernels = {"scalar",
+                                      multiply_j,
+                                      multiply_jt,
+                                      scalar::factor_fronts,
+                                      scalar::solve_fronts_forward,
+                                      scalar::solve_fronts_backward,
+                                      assemble_general,
+                                      factor_general,
+                                      solve_general};
   return kernels;
 }
 

@@ -1,4 +1,4 @@
-// The two halves of the SIMD kernels, each dispatched in its own file.
+// The parts of the SIMD kernels, each dispatched in its own file.
 #pragma once
 
 #include "ourengine/contact/kernels.hpp"
@@ -7,5 +7,6 @@ namespace ourengine::linear {
 
 void add_products(Kernels& kernels);
 void add_factorisations(Kernels& kernels);
+void add_fronts(Kernels& kernels);
 
 }  // namespace ourengine::linear

@@ -147,6 +147,7 @@ SymbolicFactor analyse(const BodyGraph& graph) {
   for (int& position : factor.position) position = renumber[at(position)];
   const auto rows = column_rows(later_neighbours(graph, factor.position));
   factor.pattern = pattern_of(rows);
+  factor.fronts = make_fronts(rows);
   for (const auto& column : rows) {
     const double below = static_cast<double>(column.size());
     factor.flops += below * (below + 1.0) / 2.0 * 432.0 + below * 216.0 + 72.0;

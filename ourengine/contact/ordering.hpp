@@ -20,8 +20,9 @@ struct BodyGraph {
 
 struct SymbolicFactor {
   std::vector<int> position;  // of each body in the elimination order
-  BlockPattern pattern;
-  double flops = 0.0;  // of one factorisation, useful ones
+  BlockPattern pattern;       // by single columns
+  FrontPattern fronts;        // of the same factor
+  double flops = 0.0;         // of one factorisation, useful ones
 };
 
 // Order: approximate minimum degree (Amestoy, Davis, Duff 1996, through Eigen) below

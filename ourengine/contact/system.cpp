@@ -6,6 +6,7 @@
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace ourengine {
@@ -67,6 +68,8 @@ ContactSystem::ContactSystem(const ContactProblem& problem, int components, Symb
   set_view();
   fill_contacts(problem);
   fill_targets();
+  fill_front_pairs();
+  fill_sides();
   set_view();
   AlignedDoubles w(rows());
   simd_kernels().multiply_j(view_, free_velocity_.data(), true, w.data());
@@ -223,6 +226,50 @@ void ContactSystem::fill_targets() {
       target.a_below = pair.body_a > pair.body_b;
     }
     targets_.push_back(target);
+  }
+}
+
+// Pairs of moving bodies by the front that eliminates the first of them, in their order.
+void ContactSystem::fill_front_pairs() {
+  const FrontPattern& fronts = symbolic_->fronts;
+  const auto both_move = [&](const ContactPair& pair) {
+    return std::max(pair.body_a, pair.body_b) < bodies();
+  };
+  const auto front_of = [&](const ContactPair& pair) {
+    return at(fronts.front_of_column[at(std::min(pair.body_a, pair.body_b))]);
+  };
+  front_pair_begin_.assign(fronts.front.size() + 1, 0);
+  for (const ContactPair& pair : pairs_) {
+    if (both_move(pair)) ++front_pair_begin_[front_of(pair) + 1];
+  }
+  std::partial_sum(front_pair_begin_.begin(), front_pair_begin_.end(), front_pair_begin_.begin());
+  std::vector<int> next = front_pair_begin_;
+  front_pairs_.resize(at(front_pair_begin_.back()));
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    if (!both_move(pairs_[p])) continue;
+    const auto [earlier, later] = std::minmax(pairs_[p].body_a, pairs_[p].body_b);
+    const std::size_t index = front_of(pairs_[p]);
+    const Front& front = fronts.front[index];
+    const auto begin = fronts.row.begin() + front.row_begin;
+    const auto row = std::lower_bound(begin, begin + front.rows, later) - begin;
+    front_pairs_[at(next[index]++)] = {static_cast<int>(p), static_cast<int>(row),
+                                       earlier - front.first, pairs_[p].body_a == later};
+  }
+}
+
+// The pairs of each body, in their order.
+void ContactSystem::fill_sides() {
+  side_begin_.assign(at(bodies()) + 2, 0);  // the last: everything fixed
+  for (const ContactPair& pair : pairs_) {
+    ++side_begin_[at(pair.body_a) + 1];
+    ++side_begin_[at(pair.body_b) + 1];
+  }
+  std::partial_sum(side_begin_.begin(), side_begin_.end(), side_begin_.begin());
+  std::vector<int> next = side_begin_;
+  sides_.resize(2 * pairs_.size());
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    sides_[at(next[at(pairs_[p].body_a)]++)] = {static_cast<int>(p), false};
+    sides_[at(next[at(pairs_[p].body_b)]++)] = {static_cast<int>(p), true};
   }
 }
 

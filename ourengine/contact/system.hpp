@@ -24,6 +24,10 @@ class ContactSystem {
   const SystemView& view() const { return view_; }
   const SymbolicFactor& symbolic() const { return *symbolic_; }
   const std::vector<PairTarget>& targets() const { return targets_; }
+  FrontalView fronts() const {
+    return {&symbolic_->fronts, front_pairs_.data(), front_pair_begin_.data(), sides_.data(),
+            side_begin_.data()};
+  }
 
   int bodies() const { return view_.bodies; }
   int contacts() const { return view_.contacts; }
@@ -60,6 +64,8 @@ class ContactSystem {
   void fill_contact(const ContactProblem& problem, int internal);
   void fill_contacts(const ContactProblem& problem);
   void fill_targets();
+  void fill_front_pairs();
+  void fill_sides();
   void set_view();
 
   SystemView view_;
@@ -69,6 +75,9 @@ class ContactSystem {
   std::vector<int> contact_order_;  // internal contact -> problem contact
   std::vector<ContactPair> pairs_;
   std::vector<PairTarget> targets_;
+  std::vector<FrontPair> front_pairs_;
+  std::vector<PairSide> sides_;
+  std::vector<int> front_pair_begin_, side_begin_;
   AlignedIntegers offset_a_, offset_b_;
   AlignedDoubles mass_, inverse_mass_, free_velocity_, geometry_, rows_, inverse_rows_;
   AlignedDoubles bias_, tangent_bias_, friction_, delassus_;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "ourengine/contact/block_cholesky.hpp"
@@ -25,6 +27,8 @@ constexpr Tolerance kProducts{"J v and J^T f against dense products", 2e-14, 2.7
                               "rounding of a dozen terms of size 1"};
 constexpr Tolerance kSolve{"block solve against dense LU", 5e-12, 6.9e-13,
                            "condition number of H (some 1e2) times rounding"};
+
+constexpr Tolerance kEquation{"H x - b", 1e-12, 6e-14, "rounding of H, whose entries are some 1e2"};
 
 struct Dense {
   Eigen::MatrixXd j, mass;
@@ -139,6 +143,30 @@ TEST_P(Factor, CholeskyAgainstDense) {
   EXPECT_TRUE(worst.within(kSolve));
 }
 
+// H x = b on walls large enough for fronts of many columns, deep trees and nested dissection.
+TEST_P(Factor, CholeskySolvesLargeWalls) {
+  Worst worst;
+  for (const int size : {14, 32}) {
+    if (size > 14 && &kernels() == &ourengine::scalar_kernels()) continue;  // takes seconds
+    SymbolicCache cache;
+    const ContactSystem system(make_wall({size, size, WallState::kImpact}), 1, cache);
+    AlignedDoubles weights(system.stride(), 0.0);
+    for (int i = 0; i < system.contacts(); ++i) weights[at(i)] = std::exp(normal_(random_));
+    BlockCholesky cholesky(kernels());
+    ASSERT_TRUE(cholesky.factor(system, weights));
+    const AlignedDoubles b = body_vector(system);
+    AlignedDoubles x = b, product, w(system.rows());
+    cholesky.solve(x);
+    system.multiply_mass(x, product);
+    kernels().multiply_j(system.view(), x.data(), false, w.data());
+    for (int i = 0; i < system.contacts(); ++i) w[at(i)] *= weights[at(i)];
+    kernels().multiply_jt(system.view(), w.data(), product.data());
+    worst.see((packed(system, product) - packed(system, b)).cwiseAbs().maxCoeff(),
+              std::to_string(size) + " courses");
+  }
+  EXPECT_TRUE(worst.within(kEquation));
+}
+
 TEST_P(Factor, LuAgainstDense) {
   SymbolicCache cache;
   const ContactSystem system(wall(0.5), 3, cache);
@@ -191,6 +219,31 @@ TEST(Ordering, PermutesAndKeepsFillLow) {
     const double blocks = static_cast<double>(system.symbolic().pattern.row.size());
     EXPECT_LT(blocks, 2.0 * bodies * std::log2(bodies)) << bodies;
   }
+}
+
+// Fronts cover the factor of the single columns, with few zeros, and each row of a front that is
+// not eliminated there has its place in the parent.
+TEST(Ordering, FrontsHoldTheFactor) {
+  SymbolicCache cache;
+  const ContactSystem system(make_wall({20, 20}), 1, cache);
+  const auto& pattern = system.symbolic().pattern;
+  const auto& fronts = system.symbolic().fronts;
+  std::size_t stored = 0;
+  for (const auto& front : fronts.front) {
+    const int* row = fronts.row.data() + front.row_begin;
+    for (int c = 0; c < front.columns; ++c) {
+      stored += at(front.rows - c);
+      const int begin = pattern.column_begin[at(front.first + c)];
+      const int end = pattern.column_begin[at(front.first + c + 1)];
+      ASSERT_TRUE(std::includes(row + c, row + front.rows, pattern.row.begin() + begin,
+                                pattern.row.begin() + end))
+          << front.first + c;
+    }
+    int placed = 0;
+    for (int q = front.run_begin; q < front.run_end; ++q) placed += fronts.run[at(q)].length;
+    ASSERT_EQ(placed, front.rows - front.columns) << front.first;
+  }
+  EXPECT_LT(static_cast<double>(stored), 1.15 * static_cast<double>(pattern.row.size()));
 }
 
 TEST(Ordering, AnUnchangedGraphIsAnalysedOnce) {
