@@ -21,20 +21,20 @@ constexpr double k_parallel_edges = 1e-6;
 // Room for rounding in the test that spares the square root.
 constexpr double k_filter_slack = 1e-12;
 
-struct Vector {
+struct BoxVector {
   V x, y, z;
   HWY_INLINE V operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
 };
 struct Boxes {
-  Vector half, centre, axis[3];
+  BoxVector half, centre, axis[3];
 };
 
-HWY_INLINE V dot(const Vector& a, const Vector& b) {
+HWY_INLINE V dot(const BoxVector& a, const BoxVector& b) {
   return hn::Add(hn::Mul(a.x, b.x), hn::Add(hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)));
 }
 
 // The same vector of k_pairs boxes, one register per component.
-HWY_INLINE Vector transpose(const std::array<double, 4>* const* from) {
+HWY_INLINE BoxVector transpose(const std::array<double, 4>* const* from) {
   const D d;
 #if HWY_TARGET == HWY_SCALAR
   return {hn::Set(d, (*from[0])[0]), hn::Set(d, (*from[0])[1]), hn::Set(d, (*from[0])[2])};
@@ -75,7 +75,7 @@ struct Best {
 };
 
 // The largest of three, the first if several are.
-HWY_INLINE Best largest(const Vector& gaps, double first_axis) {
+HWY_INLINE Best largest(const BoxVector& gaps, double first_axis) {
   const D d;
   Best best = {gaps.x, hn::Set(d, first_axis)};
   const M second = hn::Gt(gaps.y, best.gap);
@@ -87,14 +87,14 @@ HWY_INLINE Best largest(const Vector& gaps, double first_axis) {
 }
 
 struct Relative {
-  Vector r[3], abs_r[3];  // rows: axes of a; columns: axes of b
-  Vector in_a, in_b;      // centre of b from that of a
+  BoxVector r[3], abs_r[3];  // rows: axes of a; columns: axes of b
+  BoxVector in_a, in_b;      // centre of b from that of a
 };
 
 HWY_INLINE Relative relative(const Boxes& a, const Boxes& b) {
   Relative all;
-  const Vector between = {hn::Sub(b.centre.x, a.centre.x), hn::Sub(b.centre.y, a.centre.y),
-                          hn::Sub(b.centre.z, a.centre.z)};
+  const BoxVector between = {hn::Sub(b.centre.x, a.centre.x), hn::Sub(b.centre.y, a.centre.y),
+                             hn::Sub(b.centre.z, a.centre.z)};
   for (int i = 0; i < 3; ++i) {
     all.r[i] = {dot(a.axis[i], b.axis[0]), dot(a.axis[i], b.axis[1]), dot(a.axis[i], b.axis[2])};
     all.abs_r[i] = {hn::Abs(all.r[i].x), hn::Abs(all.r[i].y), hn::Abs(all.r[i].z)};
@@ -142,9 +142,9 @@ HWY_INLINE void try_edges(const Relative& all, const Boxes& a, const Boxes& b, i
 HWY_INLINE Best separate_lanes(const Boxes& a, const Boxes& b, V margin) {
   const D d;
   const Relative all = relative(a, b);
-  const Vector column[3] = {{all.abs_r[0].x, all.abs_r[1].x, all.abs_r[2].x},
-                            {all.abs_r[0].y, all.abs_r[1].y, all.abs_r[2].y},
-                            {all.abs_r[0].z, all.abs_r[1].z, all.abs_r[2].z}};
+  const BoxVector column[3] = {{all.abs_r[0].x, all.abs_r[1].x, all.abs_r[2].x},
+                               {all.abs_r[0].y, all.abs_r[1].y, all.abs_r[2].y},
+                               {all.abs_r[0].z, all.abs_r[1].z, all.abs_r[2].z}};
   const Best best_a = largest({face_gap(all.in_a.x, a.half.x, dot(all.abs_r[0], b.half)),
                                face_gap(all.in_a.y, a.half.y, dot(all.abs_r[1], b.half)),
                                face_gap(all.in_a.z, a.half.z, dot(all.abs_r[2], b.half))},

@@ -32,6 +32,7 @@ TEST(Project, IncludesFollowTheArrows) { expect_clean(check_includes); }
 TEST(Project, NobodyComparesWithAnEngine) { expect_clean(check_engine_names); }
 TEST(Project, NoPathNamesAnEngineAndAScenario) { expect_clean(check_mixed_paths); }
 TEST(Project, FilesAreShort) { expect_clean(check_lengths); }
+TEST(Project, ATypeNameStandsForOneType) { expect_clean(check_type_names); }
 TEST(Project, DocumentsNameWhatExists) { expect_clean(check_documents); }
 
 TEST(Project, IsSeenAtAll) {
@@ -54,7 +55,12 @@ Tree good_house() {
   add_file(tree, "ourengine/baraff/step.hpp", "#include \"ourengine/bodies/body.hpp\"\n");
   add_file(tree, "experiments/scenarios/catalog.cpp",
            "#include \"adapters/seam/world.hpp\"\nScenario brick_wall();\nScenario tower();\n");
-  add_file(tree, "experiments/record/row.hpp", "");
+  add_file(tree, "experiments/record/row.hpp",
+           "namespace brickbench {\nstruct Row {\n};\nstruct Table;\n}  // namespace brickbench\n");
+  add_file(
+      tree, "experiments/record/file.cpp",
+      "namespace brickbench {\nnamespace {\nstruct Row {\n};\n}  // namespace\n}  // namespace\n");
+  add_file(tree, "cli/list.hpp", "namespace brickbench {\nstruct Table {\n};\n}  // namespace\n");
   add_file(tree, "reports/src/table.cpp",
            "#include \"experiments/record/row.hpp\"\n// not \"ode\" but every engine\n");
   add_file(tree, "cli/main.cpp", "#include \"reports/src/table.hpp\"\nauto s = \"mode\";\n");
@@ -66,7 +72,7 @@ Tree good_house() {
 
 TEST(Rules, AGoodHousePassesAll) {
   for (const Check check : {check_includes, check_engine_names, check_mixed_paths, check_lengths,
-                            check_documents, long_adapters}) {
+                            check_type_names, check_documents, long_adapters}) {
     EXPECT_TRUE(check(good_house()).empty()) << text(check(good_house()));
   }
 }
@@ -99,6 +105,8 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
       {check_mixed_paths, "tests/brick_wall/ode.cpp", ""},
       {check_lengths, "cli/verb_run.cpp", long_file},
       {check_lengths, "scripts/all.sh", long_file},
+      {check_type_names, "reports/src/column.hpp",
+       "namespace brickbench {\nclass Table final : public Base {\n}  // namespace brickbench\n"},
       {check_documents, "README.md", "Look into `experiments/nothing/`.\n"},
       {check_documents, "docs/more.md", "Look into `cli/missing.cpp`.\n"},
       {check_documents, "README.md", "Look into `nowhere/`.\n"},

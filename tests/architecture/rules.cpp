@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <regex>
+#include <sstream>
 
 namespace brickbench::architecture {
 namespace {
@@ -97,6 +98,29 @@ std::vector<Finding> longer_than(const Tree& tree, std::ptrdiff_t most, const st
   return findings;
 }
 
+// Types that a source defines at namespace level, as `outer::Name`; formatted as clang-format does.
+std::vector<std::string> types_of(const std::string& source) {
+  static const std::regex opening(R"(^(?:inline )?namespace ?([\w:]*) ?\{)");
+  static const std::regex definition(
+      R"(^(?:struct|class|union|enum class|enum) (?:alignas\(\d+\) )?(\w+)(?: final)?(?: : [^{]*)? ?\{)");
+  std::vector<std::string> around, types;
+  std::istringstream lines(source);
+  std::smatch match;
+  for (std::string line; std::getline(lines, line);) {
+    if (std::regex_search(line, match, opening)) {
+      around.push_back(match[1]);
+    } else if (line.starts_with("}  // namespace") && !around.empty()) {
+      around.pop_back();
+    } else if (std::regex_search(line, match, definition)) {
+      if (std::ranges::find(around, std::string()) != around.end()) continue;
+      std::string name;
+      for (const std::string& scope : around) name += scope + "::";
+      types.push_back(name + match[1].str());
+    }
+  }
+  return types;
+}
+
 }  // namespace
 
 std::vector<std::string> engine_names(const Tree& tree) {
@@ -173,6 +197,20 @@ std::vector<Finding> long_adapters(const Tree& tree) {
   return longer_than(tree, k_longest_adapter, "adapter length", [](const std::string& path) {
     return is_cpp(path) && is_below(path, "adapters") && !is_below(path, "adapters/seam");
   });
+}
+
+std::vector<Finding> check_type_names(const Tree& tree) {
+  std::map<std::string, std::string> owner;
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    if (!is_cpp(path)) continue;
+    for (const std::string& type : types_of(content)) {
+      const auto [known, first] = owner.emplace(type, path);
+      if (!first)
+        findings.push_back({"type name", path, type + " is in " + known->second + " too"});
+    }
+  }
+  return findings;
 }
 
 std::vector<Finding> check_documents(const Tree& tree) {

@@ -24,6 +24,9 @@ std::vector<Finding> check_engine_names(const Tree& tree);
 std::vector<Finding> check_mixed_paths(const Tree& tree);
 // C++, CMake and shell files stay short enough to read: 450 lines.
 std::vector<Finding> check_lengths(const Tree& tree);
+// In a namespace, one name stands for one type in all files: linked together, two would silently be
+// taken for one. Types in an unnamed namespace, or declared without a body, do not count.
+std::vector<Finding> check_type_names(const Tree& tree);
 // Markdown of the root and of docs/ names, in `backquotes`, only files and folders that exist.
 std::vector<Finding> check_documents(const Tree& tree);
 
