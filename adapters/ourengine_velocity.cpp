@@ -84,14 +84,16 @@ std::vector<Diagnostic> diagnostics_of(const engine::StepReport& report) {
           {"factorisations", "1", double(report.factorisations)},
           {"passes", "1", double(report.passes)},
           {"overlap_left_m", "m", report.overlap_left_m},
+          {"ran_out", "1", report.ran_out ? 1.0 : 0.0},
           {"unsolved", "1", report.status == engine::SolveStatus::kSolved ? 0.0 : 1.0}};
 }
 
 std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
-  return {{"contacts", "1", double(report.contacts)},
-          {"manifolds", "1", double(report.manifolds)},
-          {"colours", "1", double(report.colours)},
-          {"manifolds_made", "1", double(report.remade)}};
+  return {
+      {"contacts", "1", double(report.contacts)},  {"manifolds", "1", double(report.manifolds)},
+      {"colours", "1", double(report.colours)},    {"manifolds_made", "1", double(report.remade)},
+      {"passes", "1", double(report.passes)},      {"overlap_left_m", "m", report.overlap_left_m},
+      {"ran_out", "1", report.ran_out ? 1.0 : 0.0}};
 }
 
 // Index: the value of the knob `solver` of `lcp`.

@@ -60,16 +60,21 @@ const StepReport& Dynamics::step() {
   report_ = {};
   report_.passes = 0;
   expect_reach();
-  do {
+  bool widened = true;
+  while (widened && report_.passes < k_pass_limit) {
     contacts_.update(motions_, reach_m_, options_.step_s);
     state_problem();
     solve();
-  } while (widen_reach() && report_.passes < k_pass_limit);
-  for (int looks = 0; look_ahead() && looks < k_look_limit; ++looks) {
+    widened = widen_reach();
+  }
+  bool late = look_ahead();
+  for (int looks = 0; late && looks < k_look_limit; ++looks) {
     contacts_.add(late_);
     state_problem();
     solve();
+    late = look_ahead();
   }
+  report_.ran_out = widened || late;
   std::swap(motions_, ends_);
   std::ranges::fill(loads_, Load{});
   return report_;

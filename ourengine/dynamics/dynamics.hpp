@@ -58,6 +58,8 @@ struct StepReport {
   int passes = 1;  // contact problems solved: more than 1 where impacts set bodies moving
   // Deepest new overlap (m) at the step's end that the last pass still left; 0 if below tolerance.
   double overlap_left_m = 0.0;
+  // The limit of passes stopped the search for contacts: some may be missing from the step.
+  bool ran_out = false;
   SolveStatus status = SolveStatus::kSolved;
   std::string method;
 };

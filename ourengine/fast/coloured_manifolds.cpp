@@ -36,17 +36,23 @@ bool FastDynamics::is_near(const SoftManifold& manifold) const {
   return std::ranges::any_of(gaps, [&](double gap_m) { return gap_m <= margin_m; });
 }
 
+// Those of the contact set, then those that only the end of the step shows.
+SoftManifold& FastDynamics::solved_manifold(std::size_t index) {
+  const std::span<SoftManifold> known = contacts_.manifolds();
+  return index < known.size() ? known[index] : late_[index - known.size()];
+}
+
 // Greedy colouring in the order of the pairs: the lowest colour that neither moving body has yet.
 void FastDynamics::colour_manifolds() {
   slots_.clear();
   used_.assign(bodies_.size(), 0);
   std::vector<int> sizes;
   bouncing_ = false;
-  report_ = {0, 0, 0, contacts_.made()};
-  const std::span<SoftManifold> manifolds = contacts_.manifolds();
-  for (std::size_t m = 0; m < manifolds.size(); ++m) {
-    SoftManifold& manifold = manifolds[m];
-    if (!is_near(manifold)) {
+  report_.contacts = 0;
+  const std::size_t known = contacts_.manifolds().size();
+  for (std::size_t m = 0; m < known + late_.size(); ++m) {
+    SoftManifold& manifold = solved_manifold(m);
+    if (m < known && !is_near(manifold)) {
       manifold.impulse.fill(0.0F);
       manifold.friction_impulse.setZero();
       manifold.twist_impulse = 0.0F;
@@ -104,7 +110,7 @@ void FastDynamics::fill_batches() {
       if (lanes.back() < 0) batch = empty;  // lanes are taken from the front
       batch.points = 0;
       for (std::size_t i = 0; i < lanes.size() && lanes[i] >= 0; ++i) {
-        fill(batch, i, contacts_.manifolds()[at(slots_[at(lanes[i])].manifold)]);
+        fill(batch, i, solved_manifold(at(slots_[at(lanes[i])].manifold)));
       }
     }
     soft_prepare(std::span(batches_).subspan(begin, end - begin), inertia_);
@@ -146,17 +152,30 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
   }
 }
 
-// Back into the manifolds.
-void FastDynamics::keep_impulses() {
+// The bodies that some contact pushed during the trial.
+void FastDynamics::mark_touched() {
   std::ranges::fill(touched_, 0);
   for (const Slot& slot : slots_) {
     const SoftBatch& batch = batches_[at(slot.batch)];
     const std::size_t i = at(slot.lane);
-    SoftManifold& manifold = contacts_.manifolds()[at(slot.manifold)];
-    bool touched = false;
+    const SoftManifold& manifold = solved_manifold(at(slot.manifold));
+    const auto points = std::span(batch.point).first(at(manifold.count));
+    if (std::ranges::none_of(points, [&](const SoftPoint& p) { return p.max_impulse[i] > 0.0F; })) {
+      continue;
+    }
+    touched_[at(manifold.body_a)] = 1;
+    touched_[at(manifold.body_b)] = 1;
+  }
+}
+
+// Back into the manifolds.
+void FastDynamics::keep_impulses() {
+  for (const Slot& slot : slots_) {
+    const SoftBatch& batch = batches_[at(slot.batch)];
+    const std::size_t i = at(slot.lane);
+    SoftManifold& manifold = solved_manifold(at(slot.manifold));
     for (std::size_t p = 0; p < at(manifold.count); ++p) {
       manifold.impulse[p] = batch.point[p].impulse[i];
-      touched = touched || batch.point[p].max_impulse[i] > 0.0F;
     }
     for (std::size_t k = 0; k < 3; ++k) {
       manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
@@ -164,17 +183,13 @@ void FastDynamics::keep_impulses() {
           batch.friction_impulse[1][i] * batch.tangent[1][k][i];
     }
     manifold.twist_impulse = batch.twist_impulse[i];
-    if (!touched) continue;
-    touched_[at(manifold.body_a)] = 1;
-    touched_[at(manifold.body_b)] = 1;
   }
 }
 
 // Friction and twist of a manifold become forces at its points.
 std::vector<SoftContact> FastDynamics::contacts() const {
   std::vector<SoftContact> contacts;
-  for (const SoftManifold& manifold : contacts_.manifolds()) {
-    if (manifold.count == 0 || !is_near(manifold)) continue;
+  const auto add = [&](const SoftManifold& manifold) {
     const auto arms = std::span(manifold.arm_a_m).first(at(manifold.count));
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3d& arm : arms) centre += arm / manifold.count;
@@ -188,7 +203,11 @@ std::vector<SoftContact> FastDynamics::contacts() const {
       contacts.push_back({manifold.body_a, manifold.body_b, manifold.centre_a_m + arms[p],
                           manifold.normal, manifold.gap_m[p], options_.substeps * impulse});
     }
+  };
+  for (const SoftManifold& manifold : contacts_.manifolds()) {
+    if (manifold.count > 0 && is_near(manifold)) add(manifold);
   }
+  std::ranges::for_each(late_, add);
   return contacts;
 }
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "ourengine/integration/rotation.hpp"
-
 namespace ourengine {
 namespace {
 
@@ -13,7 +11,9 @@ namespace {
 constexpr double k_phase_limit_rad = 1.0;
 // A struck body may in turn strike its neighbours within the step: contacts are looked up again
 // with the reach of the striker handed on, so often.
-constexpr int k_reach_passes = 3;
+constexpr int k_reach_passes = 2;
+// A step is tried again with the contacts that its end showed to be missing, so often.
+constexpr int k_trial_limit = 8;
 constexpr std::size_t k_batches_per_piece = 8;
 constexpr std::size_t k_bodies_per_piece = 256;
 
@@ -22,9 +22,6 @@ SoftVector soft(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
   const Eigen::Vector3f a = angular.cast<float>();
   return {l.x(), l.y(), l.z(), 0.0F, a.x(), a.y(), a.z(), 0.0F};
 }
-
-Eigen::Vector3d linear_part(const SoftVector& v) { return {v[0], v[1], v[2]}; }
-Eigen::Vector3d angular_part(const SoftVector& v) { return {v[4], v[5], v[6]}; }
 
 SoftVector plus(const SoftVector& a, const SoftVector& b) {
   SoftVector sum;
@@ -64,23 +61,46 @@ void FastDynamics::set_motions(std::span<const Motion> motions) {
     if (!bodies_[i].fixed) motions_[i] = motions[i];
   }
   contacts_.clear();
+  late_.clear();
 }
 
 void FastDynamics::restore(const Snapshot& snapshot) {
   motions_ = snapshot.motions;
   contacts_.restore(snapshot.contacts);
+  late_.clear();
 }
 
 const FastReport& FastDynamics::step() {
+  report_ = {};
+  late_.clear();
+  sweeps_ = 1;
   pose_bodies();
-  find_contacts();
+  bool search = true;
+  bool missing = true;
+  std::size_t solved = 0;
+  while (missing && report_.passes < k_trial_limit) {
+    if (search) find_contacts();
+    try_step();
+    solved = late_.size();
+    search = find_far();
+    missing = search || look_ahead();
+  }
+  late_.resize(solved);
+  report_.ran_out = missing;
+  keep_impulses();
+  std::swap(motions_, ends_);
+  std::ranges::fill(loads_, Load{});
+  return report_;
+}
+
+// The step with the contacts known so far, from its start; motions and carried impulses stay.
+void FastDynamics::try_step() {
+  ++report_.passes;
   colour_manifolds();
   warm_start();
   run_substeps();
-  keep_impulses();
-  move_bodies();
-  std::ranges::fill(loads_, Load{});
-  return report_;
+  mark_touched();
+  find_ends();
 }
 
 // What of a body stays as it is during the step.
@@ -110,10 +130,13 @@ void FastDynamics::pose_bodies() {
   });
 }
 
+// Whoever is struck later still than the last pass knows is found where the trial ends.
 void FastDynamics::find_contacts() {
-  for (int pass = 0; pass < k_reach_passes; ++pass) {
+  bool handed_on = true;
+  for (int pass = 0; handed_on && pass <= k_reach_passes; ++pass) {
     contacts_.update(motions_, poses_, options_.step_s, pool_);
-    if (!hand_on_reach()) return;
+    report_.remade += contacts_.made();
+    handed_on = pass < k_reach_passes && hand_on_reach();
   }
 }
 
@@ -209,11 +232,11 @@ void FastDynamics::run_substeps() {
       velocity_[i] = plus(free, contact_change_[i]);
       contact_change_[i] = free;
     });
-    sweep(step, true, s % 2 == 0);
+    for (int k = 0; k < sweeps_; ++k) sweep(step, true, (s + k) % 2 == 0);
     for_bodies([&](std::size_t i) {
       for (std::size_t k = 0; k < 8; ++k) moved_[i][k] += step.step_s * velocity_[i][k];
     });
-    sweep(step, false, s % 2 != 0);
+    for (int k = 0; k < sweeps_; ++k) sweep(step, false, (s + k) % 2 != 0);
     for_bodies([&](std::size_t i) {
       for (std::size_t k = 0; k < 8; ++k) {
         contact_change_[i][k] = velocity_[i][k] - contact_change_[i][k];
@@ -222,34 +245,6 @@ void FastDynamics::run_substeps() {
   }
   if (!bouncing_) return;
   for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) soft_bounce(colour(c), velocity_);
-}
-
-void FastDynamics::move_bodies() {
-  pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!bodies_[i].fixed) move_body(i);
-    }
-  });
-}
-
-void FastDynamics::move_body(std::size_t i) {
-  Motion& motion = motions_[i];
-  if (touched_[i] != 0) {
-    motion.position_m += linear_part(moved_[i]);
-    motion.velocity_mps = linear_part(velocity_[i]);
-    const Eigen::Matrix3d& r = poses_[i].axes;
-    motion.angular_momentum_kgm2ps =
-        r * bodies_[i].inertia_kgm2.cwiseProduct(r.transpose() * angular_part(velocity_[i]));
-    motion.attitude = turned(motion.attitude, angular_part(moved_[i]));
-    return;
-  }
-  const Eigen::Vector3d change =
-      options_.step_s * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg);
-  motion.position_m += options_.step_s * (motion.velocity_mps + 0.5 * change);
-  motion.velocity_mps += change;
-  motion.angular_momentum_kgm2ps += options_.step_s * loads_[i].torque_nm;
-  motion.attitude = rotate_moser_veselov(motion.attitude, bodies_[i].inertia_kgm2,
-                                         motion.angular_momentum_kgm2ps, options_.step_s);
 }
 
 }  // namespace ourengine

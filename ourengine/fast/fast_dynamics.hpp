@@ -37,6 +37,11 @@ struct FastReport {
   int manifolds = 0;
   int colours = 0;
   int remade = 0;  // manifolds that separating axes had to make anew
+  int passes = 0;  // trials of the step: more than 1 where impacts met with contacts unknown before
+  // Deepest new overlap (m) at the step's end that the last trial still left; 0 if below tolerance.
+  double overlap_left_m = 0.0;
+  // The limit of trials stopped the step: contacts may be missing, or too few sweeps were made.
+  bool ran_out = false;
 };
 
 struct SoftContact {
@@ -92,6 +97,7 @@ class FastDynamics {
   void find_contacts();
   bool hand_on_reach();
   void colour_manifolds();
+  SoftManifold& solved_manifold(std::size_t index);
   bool is_near(const SoftManifold& manifold) const;
   void place_slots(std::span<const int> sizes);
   void fill_batches();
@@ -102,9 +108,17 @@ class FastDynamics {
   void sweep(const SoftStep& step, bool biased, bool forwards);
   SoftStep soft_step() const;
   void run_substeps();
+  void try_step();
+  void mark_touched();
   void keep_impulses();
-  void move_bodies();
-  void move_body(std::size_t body);
+  void find_ends();
+  Motion end_of(std::size_t body) const;
+  bool find_far();
+  bool look_ahead();
+  double opened_m(const SoftManifold& manifold, std::size_t point) const;
+  void look_around_far();
+  void look_at(const BodyPair& pair, double seen_m);
+  SoftManifold late_manifold(const BodyPair& pair, const Manifold& end) const;
 
   std::vector<BodyModel> bodies_;
   std::vector<Motion> motions_;
@@ -113,6 +127,11 @@ class FastDynamics {
   WorkerPool pool_;
   std::vector<Load> loads_;
   ManifoldSet contacts_;
+  std::vector<SoftManifold> late_;  // of this step alone, after those of the set
+  std::vector<Motion> ends_;        // where the last trial brings the bodies
+  std::vector<int> far_;            // bodies that went beyond the reach that the search assumed
+  std::vector<Aabb> end_boxes_;
+  int sweeps_ = 1;  // of either kind, per sub-step
   std::vector<BodyPose> poses_;
   std::vector<double> radius_m_;
   std::vector<Eigen::Vector3d> spin_radps_;

@@ -36,33 +36,6 @@ double slack_m(std::span<const BodyModel> bodies, double margin_m) {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// At most four of the manifold's points: the deepest, the furthest from it, then the points that
-// add most area on either side. Returns how many.
-int choose_points(const Manifold& manifold, std::array<int, SoftManifold::k_points>& chosen) {
-  if (manifold.count <= k_soft_points) {
-    for (int k = 0; k < manifold.count; ++k) chosen[at(k)] = k;
-    return manifold.count;
-  }
-  const auto point = [&](int k) -> const ManifoldPoint& { return manifold.points[at(k)]; };
-  const auto best = [&](auto score) {
-    int found = 0;
-    for (int k = 1; k < manifold.count; ++k) {
-      if (score(k) > score(found)) found = k;
-    }
-    return found;
-  };
-  const int first = best([&](int k) { return -point(k).gap_m; });
-  const Eigen::Vector3d& origin = point(first).position_m;
-  const int second = best([&](int k) { return (point(k).position_m - origin).squaredNorm(); });
-  const auto area = [&](int k) {
-    return (point(second).position_m - origin)
-        .cross(point(k).position_m - origin)
-        .dot(manifold.normal);
-  };
-  chosen = {first, second, best(area), best([&](int k) { return -area(k); })};
-  return k_soft_points;
-}
-
 // Gaps, arms and normal where the bodies are now.
 void move_along(SoftManifold& manifold, std::span<const Motion> motions,
                 std::span<const BodyPose> poses) {
@@ -102,6 +75,31 @@ void inherit(const SoftManifold& old, SoftManifold& made, double thin_m) {
 }
 
 }  // namespace
+
+int choose_points(const Manifold& manifold, std::array<int, SoftManifold::k_points>& chosen) {
+  if (manifold.count <= k_soft_points) {
+    for (int k = 0; k < manifold.count; ++k) chosen[at(k)] = k;
+    return manifold.count;
+  }
+  const auto point = [&](int k) -> const ManifoldPoint& { return manifold.points[at(k)]; };
+  const auto best = [&](auto score) {
+    int found = 0;
+    for (int k = 1; k < manifold.count; ++k) {
+      if (score(k) > score(found)) found = k;
+    }
+    return found;
+  };
+  const int first = best([&](int k) { return -point(k).gap_m; });
+  const Eigen::Vector3d& origin = point(first).position_m;
+  const int second = best([&](int k) { return (point(k).position_m - origin).squaredNorm(); });
+  const auto area = [&](int k) {
+    return (point(second).position_m - origin)
+        .cross(point(k).position_m - origin)
+        .dot(manifold.normal);
+  };
+  chosen = {first, second, best(area), best([&](int k) { return -area(k); })};
+  return k_soft_points;
+}
 
 ManifoldSet::ManifoldSet(std::span<const BodyModel> bodies, double margin_m)
     : bodies_(bodies),

@@ -56,6 +56,10 @@ struct SoftManifold {
   float twist_impulse = 0.0F;
 };
 
+// At most four of the manifold's points: the deepest, the furthest from it, then the points that
+// add most area on either side. Returns how many.
+int choose_points(const Manifold& manifold, std::array<int, SoftManifold::k_points>& chosen);
+
 class ManifoldSet {
  public:
   ManifoldSet(std::span<const BodyModel> bodies, double margin_m);

@@ -15,6 +15,7 @@ namespace {
 
 using brickbench::testing::Worst;
 using testing::add_brick;
+using testing::deepest_overlap_m;
 using testing::running_bond;
 using testing::Wall;
 
@@ -299,6 +300,76 @@ TEST(FastDynamics, ARestoredSnapshotContinuesBitForBit) {
     second.step();
   }
   expect_same(first.motions(), second.motions());
+}
+
+// Kinetic and potential, J.
+double energy_of(const FastDynamics& dynamics) {
+  double energy_j = 0.0;
+  for (std::size_t i = 0; i < dynamics.bodies().size(); ++i) {
+    const BodyModel& body = dynamics.bodies()[i];
+    if (body.fixed) continue;
+    const Motion& motion = dynamics.motions()[i];
+    const Eigen::Vector3d spin = motion.attitude.conjugate() * motion.angular_momentum_kgm2ps;
+    energy_j += 0.5 * body.mass_kg * motion.velocity_mps.squaredNorm() +
+                0.5 * spin.dot(spin.cwiseQuotient(body.inertia_kgm2)) +
+                9.81 * body.mass_kg * motion.position_m.z();
+  }
+  return energy_j;
+}
+
+// 20 m/s moves 83 mm a step: the blow runs through the joints of a course within it, the struck
+// bricks turn and slide over each other, and 4 sub-steps remain to settle it. Where the brick hits
+// decides which of these is worst.
+TEST(FastDynamics, FastBricksHardlyPenetrate) {
+  // Observed: 0.23 and 0.24 mm. Without a look at the step's end: 6.3 and 4.1 mm.
+  constexpr double k_promise_m = 1e-3;
+  // Observed: 3.2 mJ, when gravity first meets a wall without stress; before the blow.
+  constexpr double k_gain_j = 1e-2;
+  for (const Eigen::Vector2d& at_m : {Eigen::Vector2d(0.03, 0.02), Eigen::Vector2d(0.05, 0.0)}) {
+    Wall wall = running_bond(10, 10, 0.001);
+    const double middle_m =
+        0.5 * (wall.motions[1].position_m.x() + wall.motions[10].position_m.x());
+    add_brick(wall, {0.1, 0.05, 0.05}, {middle_m + at_m.x(), -1.0, 0.5 + at_m.y()}, {0, 20, 0},
+              10000.0);
+    FastDynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}),
+                          options_of(1.0 / 240, 20));
+    double deepest_m = 0.0;
+    double energy_j = energy_of(dynamics);
+    double gained_j = 0.0;
+    for (int i = 0; i < 240; ++i) {
+      const FastReport& report = dynamics.step();
+      ASSERT_FALSE(report.ran_out) << "step " << i << ", " << report.passes << " trials, left "
+                                   << report.overlap_left_m << " m";
+      gained_j = std::max(gained_j, energy_of(dynamics) - energy_j);
+      energy_j = energy_of(dynamics);
+      deepest_m = std::max(deepest_m, deepest_overlap_m(dynamics.bodies(), dynamics.motions()));
+    }
+    EXPECT_LT(gained_j, k_gain_j) << "J in one step, of 4000 that the brick brings";
+    EXPECT_LT(deepest_m, k_promise_m) << "m of overlap, hit at " << at_m.transpose();
+  }
+}
+
+TEST(FastDynamics, FastBricksNeverPass) {
+  for (const double speed_mps : {20.0, 200.0}) {
+    Wall wall = running_bond(3, 3);
+    add_brick(wall, {0.1, 0.05, 0.05}, {0.31, -1.013, 0.16}, {0.3, speed_mps, 0.7});
+    FastDynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}),
+                          options_of(1.0 / 240, 20));
+    for (int i = 0; i < 60; ++i) dynamics.step();
+    EXPECT_LT(dynamics.motions().back().velocity_mps.y(), 0.9 * speed_mps) << "it flew through";
+  }
+}
+
+// A limit that stops the step early is told, not hidden: a blow of 200 m/s on a wall of many joints
+// needs more trials than there are.
+TEST(FastDynamics, ALimitThatRunsOutIsReported) {
+  Wall wall = running_bond(10, 10, 0.001);
+  add_brick(wall, {0.1, 0.05, 0.05}, {1.03, -1.0, 0.52}, {0, 200, 0}, 10000.0);
+  FastDynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}),
+                        options_of(1.0 / 240, 20));
+  int ran_out = 0;
+  for (int i = 0; i < 60; ++i) ran_out += dynamics.step().ran_out ? 1 : 0;
+  EXPECT_GT(ran_out, 0);
 }
 
 // At rest nothing moves by the bound of recycling: manifolds are made once.

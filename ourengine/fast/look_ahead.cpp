@@ -1,0 +1,184 @@
+// Where a trial of the step brings the bodies, and which contacts it did without.
+#include <algorithm>
+
+#include "ourengine/fast/fast_dynamics.hpp"
+#include "ourengine/integration/rotation.hpp"
+
+namespace ourengine {
+namespace {
+
+// Of the margin: overlaps at the end of a step that its contacts did not see count from here on.
+constexpr double k_look_tolerance = 0.5;
+// Of the thinner body: who gets further than the search for contacts assumed by less than this has
+// met, where the step ends, whomever it meets.
+constexpr double k_pass_share = 0.25;
+// Room for the next trial to bring bodies a little further still.
+constexpr double k_reach_growth = 1.25;
+constexpr int k_sweep_limit = 8;  // per sub-step
+constexpr std::size_t k_bodies_per_piece = 256;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Eigen::Vector3d linear_part(const SoftVector& v) { return {v[0], v[1], v[2]}; }
+Eigen::Vector3d angular_part(const SoftVector& v) { return {v[4], v[5], v[6]}; }
+
+}  // namespace
+
+// Bodies that the trial brought further than the search for contacts assumed, into far_. Whether
+// one of them got so far that it may have passed through another: then the search is repeated.
+bool FastDynamics::find_far() {
+  bool passed = false;
+  far_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].fixed) continue;
+    const double travel_m =
+        linear_part(moved_[i]).norm() + angular_part(moved_[i]).norm() * radius_m_[i];
+    const double beyond_m = travel_m - poses_[i].reach_m;
+    if (beyond_m <= 0.5 * options_.margin_m) continue;
+    far_.push_back(static_cast<int>(i));
+    passed = passed || beyond_m > k_pass_share * thickness_m(bodies_[i].geometry);
+    poses_[i].reach_m = travel_m;
+  }
+  if (!passed) return false;
+  for (const int i : far_) poses_[at(i)].reach_m *= k_reach_growth;
+  return true;
+}
+
+// By how much the trial opens a gap, as its sweeps count it: linear in what the bodies moved.
+double FastDynamics::opened_m(const SoftManifold& manifold, std::size_t point) const {
+  const Eigen::Vector3d& arm_a = manifold.arm_a_m[point];
+  const Eigen::Vector3d arm_b = arm_a - manifold.between_m;
+  const SoftVector& a = moved_[at(manifold.body_a)];
+  const SoftVector& b = moved_[at(manifold.body_b)];
+  return manifold.normal.dot(linear_part(b) + angular_part(b).cross(arm_b) - linear_part(a) -
+                             angular_part(a).cross(arm_a));
+}
+
+// Finds the pairs that the trial leaves overlapping though its contacts say otherwise: bricks that
+// turn or slide over each other within the step meet with other corners than those they showed at
+// its start, and struck bodies meet those that were out of their reach. late_ gets contacts made
+// where the trial ends, with gaps that are exact there and linear in the motion. Where contacts
+// that the trial does have are left deeper than they were, its sweeps were too few for the blow:
+// the next one has twice as many. Whether either is the case.
+bool FastDynamics::look_ahead() {
+  const std::size_t before = late_.size();
+  report_.overlap_left_m = 0.0;
+  double unsettled_m = 0.0;
+  for (const SoftManifold& known : contacts_.manifolds()) {
+    if (poses_[at(known.body_a)].reach_m + poses_[at(known.body_b)].reach_m <= options_.margin_m) {
+      continue;
+    }
+    double seen_m = 0.0;
+    double deeper_m = 0.0;
+    for (std::size_t p = 0; p < at(known.count); ++p) {
+      const double end_m = known.gap_m[p] + opened_m(known, p);
+      seen_m = std::min(seen_m, end_m);
+      deeper_m = std::max(deeper_m, std::min(0.0, known.gap_m[p]) - end_m);
+    }
+    unsettled_m = std::max(unsettled_m, deeper_m);
+    look_at({known.body_a, known.body_b}, seen_m);
+  }
+  if (!far_.empty()) look_around_far();
+  const bool unsettled = unsettled_m > k_look_tolerance * options_.margin_m;
+  if (unsettled) {
+    sweeps_ = std::min(2 * sweeps_, k_sweep_limit);
+    report_.overlap_left_m = std::max(report_.overlap_left_m, unsettled_m);
+  }
+  return unsettled || late_.size() > before;
+}
+
+// Pairs with a far body that the search for contacts did not even list.
+void FastDynamics::look_around_far() {
+  end_boxes_.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    end_boxes_[i] = bounds(bodies_[i].geometry, ends_[i], 0.0);
+  }
+  const auto known = contacts_.manifolds();
+  for (const int i : far_) {
+    for (int j = 0; j < static_cast<int>(bodies_.size()); ++j) {
+      if (j == i || !end_boxes_[at(i)].overlaps(end_boxes_[at(j)])) continue;
+      if (j < i && std::ranges::binary_search(far_, j)) continue;  // was looked at from j
+      const BodyPair pair{std::min(i, j), std::max(i, j)};
+      const auto place = std::ranges::lower_bound(known, pair, {}, [](const SoftManifold& m) {
+        return BodyPair{m.body_a, m.body_b};
+      });
+      if (place != known.end() && place->body_a == pair.first && place->body_b == pair.second) {
+        continue;
+      }
+      look_at(pair, 0.0);
+    }
+  }
+}
+
+// seen_m <= 0: the deepest gap that the trial's contacts of this pair end with.
+void FastDynamics::look_at(const BodyPair& pair, double seen_m) {
+  const auto a = at(pair.first);
+  const auto b = at(pair.second);
+  const double tolerance_m = k_look_tolerance * options_.margin_m;
+  if (collide(bodies_[a], ends_[a], bodies_[b], ends_[b], -tolerance_m).count == 0) return;
+  const Manifold end = collide(bodies_[a], ends_[a], bodies_[b], ends_[b], 0.0);
+  double deepest_m = 0.0;
+  for (int p = 0; p < end.count; ++p) deepest_m = std::min(deepest_m, end.points[at(p)].gap_m);
+  if (seen_m - deepest_m <= tolerance_m) return;
+  report_.overlap_left_m = std::max(report_.overlap_left_m, seen_m - deepest_m);
+  late_.push_back(late_manifold(pair, end));
+}
+
+SoftManifold FastDynamics::late_manifold(const BodyPair& pair, const Manifold& end) const {
+  const auto a = at(pair.first);
+  const auto b = at(pair.second);
+  SoftManifold late;
+  late.body_a = pair.first;
+  late.body_b = pair.second;
+  late.normal = end.normal;
+  late.centre_a_m = motions_[a].position_m;
+  late.between_m = motions_[b].position_m - late.centre_a_m;
+  std::array<int, SoftManifold::k_points> chosen{};
+  late.count = choose_points(end, chosen);
+  for (std::size_t p = 0; p < at(late.count); ++p) {
+    const ManifoldPoint& point = end.points[at(chosen[p])];
+    // Where it is on the one body and on the other at the start of the step: midway, so that the
+    // impulses on both act along one line. What is fixed does not care.
+    const auto start = [&](std::size_t i) {
+      return Eigen::Vector3d(motions_[i].position_m +
+                             motions_[i].attitude * (ends_[i].attitude.conjugate() *
+                                                     (point.position_m - ends_[i].position_m)));
+    };
+    const Eigen::Vector3d on_a = start(bodies_[a].fixed ? b : a);
+    const Eigen::Vector3d on_b = start(bodies_[b].fixed ? a : b);
+    late.arm_a_m[p] = 0.5 * (on_a + on_b) - late.centre_a_m;
+    late.gap_m[p] = 0.0;
+    late.gap_m[p] = point.gap_m - opened_m(late, p);
+  }
+  return late;
+}
+
+void FastDynamics::find_ends() {
+  ends_.resize(bodies_.size());
+  pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ends_[i] = bodies_[i].fixed ? motions_[i] : end_of(i);
+  });
+}
+
+Motion FastDynamics::end_of(std::size_t i) const {
+  Motion motion = motions_[i];
+  if (touched_[i] != 0) {
+    motion.position_m += linear_part(moved_[i]);
+    motion.velocity_mps = linear_part(velocity_[i]);
+    const Eigen::Matrix3d& r = poses_[i].axes;
+    motion.angular_momentum_kgm2ps =
+        r * bodies_[i].inertia_kgm2.cwiseProduct(r.transpose() * angular_part(velocity_[i]));
+    motion.attitude = turned(motion.attitude, angular_part(moved_[i]));
+    return motion;
+  }
+  const Eigen::Vector3d change =
+      options_.step_s * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg);
+  motion.position_m += options_.step_s * (motion.velocity_mps + 0.5 * change);
+  motion.velocity_mps += change;
+  motion.angular_momentum_kgm2ps += options_.step_s * loads_[i].torque_nm;
+  motion.attitude = rotate_moser_veselov(motion.attitude, bodies_[i].inertia_kgm2,
+                                         motion.angular_momentum_kgm2ps, options_.step_s);
+  return motion;
+}
+
+}  // namespace ourengine
