@@ -8,16 +8,21 @@ namespace ourengine {
 namespace {
 
 constexpr int kMaxIterations = 80;
-constexpr double kProximal = 1e-9;     // of the Delassus diagonal: bounds the weights of H
-constexpr double kClip = 100.0;        // second-order correction, in units of the mean f w
-constexpr double kPolishFrom = 1e-5;   // apparent residual of the first attempt to polish ...
-constexpr double kPolishAgain = 0.01;  // ... and, times that, of the next
+constexpr double kProximal = 1e-9;      // of the Delassus diagonal: bounds the weights of H
+constexpr double kClip = 100.0;         // second-order correction, in units of the mean f w
+constexpr double kStartSlack = 0.02;    // least of w at the start, in units of the scale
+constexpr double kStartImpulse = 2.0;   // A f at the start, in the same units
+constexpr double kClear = 1e-2;         // A f over w, or its inverse, where it is clear which is 0
+constexpr double kPolishFrom = 2e-3;    // part of contacts not clear at the first polish ...
+constexpr double kPolishAgain = 0.3;    // ... and, times that, at the next
+constexpr double kPolishAnyway = 1e-5;  // apparent residual from which to polish all the same ...
+constexpr double kPolishAnyAgain = 0.01;  // ... and, times that, again
 constexpr double kPolishSoftness = 1e-5;
 constexpr double kPolishHopeless = 0.02;  // residual after the first guess; then must halve
 constexpr int kPolishGuesses = 4;
 constexpr int kPolishSolves = 3;
-constexpr int kCentralityCorrectors = 1;
-constexpr double kLongerBy = 1.3;  // the step that a centrality corrector aims at
+constexpr int kCentralityCorrectors = 2;
+constexpr double kLongerBy = 1.5;  // the step that a centrality corrector aims at
 constexpr double kLongerPlus = 0.1;
 constexpr double kBand = 0.1;         // products f w outside target * (band, 1 / band) are moved
 constexpr double kLeastGain = 0.2;    // of the longer step, for a corrector to be kept
@@ -57,7 +62,7 @@ class OrthantMethod {
         if (apparent_residual() <= 3.0 * options.tolerance) keep_best(best);
       }
       if (best.residual <= options.tolerance || iteration == limit) break;
-      if (apparent_residual() < next_polish_ && polish(best, options)) break;
+      if (worth_polishing() && polish(best, options)) break;
       if (!(complementarity_ < HUGE_VAL)) break;  // NaN included
       step();
     }
@@ -75,8 +80,8 @@ class OrthantMethod {
     v_ = system_.free_velocity();
     simd_kernels().multiply_j(system_.view(), v_.data(), true, o_.primal);
     for (std::size_t i = 0; i < n_; ++i) {
-      o_.w[i] = std::max(o_.primal[i], 0.1 * scale);
-      o_.f[i] = 0.5 * scale / system_.delassus()[i];
+      o_.w[i] = std::max(o_.primal[i], kStartSlack * scale);
+      o_.f[i] = kStartImpulse * scale / system_.delassus()[i];
     }
     for (std::size_t i = count(); i < n_; ++i) o_.f[i] = o_.w[i] = 1.0;  // inert padding
   }
@@ -87,9 +92,11 @@ class OrthantMethod {
   void refresh() {
     simd_kernels().multiply_j(system_.view(), v_.data(), true, o_.primal);
     apparent_ = 0.0;
+    unclear_ = 0;
     for (std::size_t i = 0; i < count(); ++i) {
-      apparent_ =
-          std::max(apparent_, std::abs(std::min(system_.delassus()[i] * o_.f[i], o_.primal[i])));
+      const double loaded = system_.delassus()[i] * o_.f[i];
+      apparent_ = std::max(apparent_, std::abs(std::min(loaded, o_.primal[i])));
+      unclear_ += loaded > kClear * o_.w[i] && o_.w[i] > kClear * loaded ? 1 : 0;
     }
     for (std::size_t i = 0; i < n_; ++i) o_.primal[i] -= o_.w[i];
     for (std::size_t i = count(); i < n_; ++i) {
@@ -110,6 +117,17 @@ class OrthantMethod {
 
   double apparent_residual() const { return apparent_ / system_.scale_mps(); }
 
+  // Is it known of nearly all contacts whether they carry load? (At rest long before the residual
+  // is small, in an impact about when it is.)
+  bool worth_polishing() {
+    const double unclear = unclear_ / mean_divisor();
+    const bool worth = unclear <= next_unclear_ || apparent_residual() < next_polish_;
+    if (!worth) return false;
+    next_unclear_ = kPolishAgain * std::min(unclear, next_unclear_);
+    next_polish_ = std::min(next_polish_, kPolishAnyAgain * apparent_residual());
+    return true;
+  }
+
   // Scores the iterate of least apparent residual.
   void keep_best(Outcome& best) {
     for (std::size_t i = count(); i < n_; ++i) f_[i] = 0.0;
@@ -127,7 +145,6 @@ class OrthantMethod {
   // guess is corrected a few times. Contacts that neither carry load nor open (f = w = 0) would
   // otherwise cost an iteration per factor of two. True if that solves the problem.
   bool polish(Outcome& best, const SolveOptions& options) {
-    next_polish_ = kPolishAgain * apparent_residual();
     AlignedDoubles f(o_.f, o_.f + n_), w(o_.w, o_.w + n_), v = v_, kept_v, kept_w;
     double last = kPolishHopeless;
     for (int guess = 0; guess < kPolishGuesses; ++guess) {
@@ -187,6 +204,10 @@ class OrthantMethod {
 
   double largest_step() const { return 1.0 / std::max(ordered_max(o_.ratio, n_), 1e-300); }
 
+  // The complementarity to aim at when the predictor would leave `ratio` of it (Mehrotra's rule has
+  // the third power).
+  double centring(double ratio) const { return ratio * ratio * ratio * ratio * complementarity_; }
+
   // Gondzio's corrector (Multiple centrality corrections in a primal-dual method for linear
   // programming, 1996): pulls outlying products f w at a longer step back into a band around the
   // target, for the price of one solve. Keeps the direction only if the step grows enough.
@@ -194,7 +215,7 @@ class OrthantMethod {
     const double now = std::min(1.0, largest_step());
     if (now >= 0.95) return false;
     const double aim = std::min(1.0, kLongerBy * now + kLongerPlus);
-    const double target = ratio * ratio * ratio * complementarity_;
+    const double target = centring(ratio);
     old_rhs_.assign(o_.rhs, o_.rhs + n_);
     old_df_.assign(o_.df, o_.df + n_);
     old_dw_.assign(o_.dw, o_.dw + n_);
@@ -231,8 +252,7 @@ class OrthantMethod {
     for (std::size_t i = 0; i < count(); ++i)
       after += (o_.f[i] + affine * o_.df[i]) * (o_.w[i] + affine * o_.dw[i]);
     const double ratio = after / mean_divisor() / complementarity_;
-    cone_kernels().orthant_corrector(o_, ratio * ratio * ratio * complementarity_,
-                                     kClip * complementarity_);
+    cone_kernels().orthant_corrector(o_, centring(ratio), kClip * complementarity_);
     direction();
     for (int k = 0; k < kCentralityCorrectors && correct_centrality(ratio); ++k) {
     }
@@ -257,7 +277,9 @@ class OrthantMethod {
   double complementarity_ = 1.0;
   double apparent_ = 0.0;
   double least_apparent_ = HUGE_VAL;
-  double next_polish_ = kPolishFrom;
+  int unclear_ = 0;
+  double next_unclear_ = kPolishFrom;
+  double next_polish_ = kPolishAnyway;
   int polishes_ = 0;
   AlignedDoubles d_polish_, kept_f_;
 };
