@@ -9,7 +9,8 @@ namespace ourengine {
 namespace {
 
 constexpr std::uint64_t k_all_colours = ~std::uint64_t{0};
-constexpr std::size_t k_batches_per_piece = 8;
+constexpr std::size_t k_batches_per_piece = 4;
+constexpr int k_few_points = 2;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -92,12 +93,16 @@ void FastDynamics::place_slots(std::span<const int> sizes) {
   batches_.resize(colour_begin_.back());
   lane_slot_.assign(k_lanes * batches_.size(), -1);
   std::vector<int> next(sizes.size(), 0);
-  for (std::size_t s = 0; s < slots_.size(); ++s) {
-    Slot& slot = slots_[s];
-    const int place = next[at(slot.colour)]++;
-    slot.batch = static_cast<int>(colour_begin_[at(slot.colour)]) + place / k_lanes;
-    slot.lane = place % k_lanes;
-    lane_slot_[at(k_lanes * slot.batch + slot.lane)] = static_cast<int>(s);
+  // A batch costs as much as its largest manifold: faces first, then edges and corners.
+  for (const bool few : {false, true}) {
+    for (std::size_t s = 0; s < slots_.size(); ++s) {
+      Slot& slot = slots_[s];
+      if ((solved_manifold(at(slot.manifold)).count <= k_few_points) != few) continue;
+      const int place = next[at(slot.colour)]++;
+      slot.batch = static_cast<int>(colour_begin_[at(slot.colour)]) + place / k_lanes;
+      slot.lane = place % k_lanes;
+      lane_slot_[at(k_lanes * slot.batch + slot.lane)] = static_cast<int>(s);
+    }
   }
 }
 
@@ -109,6 +114,7 @@ void FastDynamics::fill_batches() {
       const auto lanes = std::span(lane_slot_).subspan(k_lanes * k, k_lanes);
       if (lanes.back() < 0) batch = empty;  // lanes are taken from the front
       batch.points = 0;
+      batch.lanes = static_cast<int>(std::ranges::find(lanes, -1) - lanes.begin());
       for (std::size_t i = 0; i < lanes.size() && lanes[i] >= 0; ++i) {
         fill(batch, i, solved_manifold(at(slots_[at(lanes[i])].manifold)));
       }

@@ -14,7 +14,7 @@ constexpr double k_phase_limit_rad = 1.0;
 constexpr int k_reach_passes = 2;
 // A step is tried again with the contacts that its end showed to be missing, so often.
 constexpr int k_trial_limit = 8;
-constexpr std::size_t k_batches_per_piece = 8;
+constexpr std::size_t k_batches_per_piece = 4;
 constexpr std::size_t k_bodies_per_piece = 256;
 
 SoftVector soft(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
@@ -27,6 +27,12 @@ SoftVector plus(const SoftVector& a, const SoftVector& b) {
   SoftVector sum;
   for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = a[k] + b[k];
   return sum;
+}
+
+SoftVector minus(const SoftVector& a, const SoftVector& b) {
+  SoftVector difference;
+  for (std::size_t k = 0; k < difference.size(); ++k) difference[k] = a[k] - b[k];
+  return difference;
 }
 
 }  // namespace
@@ -47,6 +53,7 @@ FastDynamics::FastDynamics(std::vector<BodyModel> bodies, std::vector<Motion> mo
       moved_(velocity_),
       contact_change_(velocity_),
       free_change_(velocity_),
+      free_velocity_(velocity_),
       touched_(bodies_.size(), 0) {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     radius_m_.push_back(bounding_radius_m(bodies_[i].geometry));
@@ -228,20 +235,16 @@ void FastDynamics::run_substeps() {
     // Impulses carried over act first. Their sum on a body is the velocity change that the contacts
     // made in the sub-step before, so no pass over the contacts is needed.
     for_bodies([&](std::size_t i) {
-      const SoftVector free = plus(velocity_[i], free_change_[i]);
-      velocity_[i] = plus(free, contact_change_[i]);
-      contact_change_[i] = free;
+      const SoftVector carried =
+          s == 0 ? contact_change_[i] : minus(velocity_[i], free_velocity_[i]);
+      free_velocity_[i] = plus(velocity_[i], free_change_[i]);
+      velocity_[i] = plus(free_velocity_[i], carried);
     });
     for (int k = 0; k < sweeps_; ++k) sweep(step, true, (s + k) % 2 == 0);
     for_bodies([&](std::size_t i) {
       for (std::size_t k = 0; k < 8; ++k) moved_[i][k] += step.step_s * velocity_[i][k];
     });
     for (int k = 0; k < sweeps_; ++k) sweep(step, false, (s + k) % 2 != 0);
-    for_bodies([&](std::size_t i) {
-      for (std::size_t k = 0; k < 8; ++k) {
-        contact_change_[i][k] = velocity_[i][k] - contact_change_[i][k];
-      }
-    });
   }
   if (!bouncing_) return;
   for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) soft_bounce(colour(c), velocity_);

@@ -1,4 +1,4 @@
-// The fast engine: small steps with soft contacts, coloured and solved eight manifolds at a time.
+// The fast engine: small steps with soft contacts, coloured and solved sixteen manifolds at a time.
 //
 // Contacts are found once per step; the step is then cut into sub-steps, each with one biased
 // sweep, a move, and one relaxing sweep with friction. Velocities inside a step are single
@@ -143,8 +143,9 @@ class FastDynamics {
   std::vector<SoftBatch> batches_;
   std::vector<SoftVector> velocity_;  // (bodies + 1)
   std::vector<SoftVector> moved_;
-  std::vector<SoftVector> contact_change_;  // velocity that the contacts gave in the last sub-step
+  std::vector<SoftVector> contact_change_;  // velocity that the carried impulses give
   std::vector<SoftVector> free_change_;     // velocity that gravity and loads give per sub-step
+  std::vector<SoftVector> free_velocity_;   // of the sub-step, before its contacts act
   std::vector<char> touched_;
   bool bouncing_ = false;
   FastReport report_;

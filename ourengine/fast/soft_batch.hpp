@@ -1,4 +1,4 @@
-// Soft contact constraints, eight manifolds at a time, and the passes over them.
+// Soft contact constraints, sixteen manifolds at a time, and the passes over them.
 //
 // A batch holds manifolds of one colour: no two of them share a moving body, so the lanes are
 // independent and the order inside a colour does not matter. Velocities are of sub-steps, single
@@ -20,7 +20,7 @@
 
 namespace ourengine {
 
-inline constexpr int k_lanes = 8;
+inline constexpr int k_lanes = 16;
 inline constexpr int k_soft_points = 4;
 
 using Lane = std::array<float, k_lanes>;
@@ -53,6 +53,7 @@ struct alignas(64) SoftBatch {
   Lane inverse_mass_b;
   std::array<SoftPoint, k_soft_points> point;
   int points = 0;  // largest number of points over the lanes
+  int lanes = 0;   // in use, from the front; sweeps need not touch the rest
   std::array<SoftRow, 2> friction_row;
   Lane friction_mass_11, friction_mass_12, friction_mass_22;  // inverse of the 2x2 matrix
   std::array<Lane, 2> friction_impulse;

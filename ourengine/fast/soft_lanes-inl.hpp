@@ -69,39 +69,40 @@ HWY_INLINE void scatter_part(SoftVector* to, const std::int32_t* body, std::int3
 
 #else
 
-static_assert(k_native == 4 || k_native == 8);
+static_assert(k_native == 4 || k_native == 8 || k_native == 16);
 
-// Four floats of body[k], and in the upper block those of body[k + 4].
-HWY_INLINE V load_row(const SoftVector* from, const std::int32_t* body, std::size_t k,
-                      std::size_t offset) {
-  if constexpr (k_native == 8) {
-    const hn::Half<D> half;
-    return hn::Combine(D(), hn::LoadU(half, from[body[k + 4]].data() + offset),
-                       hn::LoadU(half, from[body[k]].data() + offset));
+// Four floats of body[k], in the next block those of body[k + 4], and so on.
+template <typename Block>
+HWY_INLINE hn::Vec<Block> load_row(Block d, const SoftVector* from, const std::int32_t* body,
+                                   std::size_t k, std::size_t offset) {
+  if constexpr (hn::MaxLanes(Block()) == 4) {
+    return hn::LoadU(d, from[body[k]].data() + offset);
   } else {
-    return hn::LoadU(D(), from[body[k]].data() + offset);
+    const hn::Half<Block> half;
+    return hn::Combine(d, load_row(half, from, body, k + hn::MaxLanes(half), offset),
+                       load_row(half, from, body, k, offset));
   }
 }
 
 HWY_INLINE Vector gather_part(const SoftVector* from, const std::int32_t* body,
                               std::size_t offset) {
   const D d;
-  const V a = load_row(from, body, 0, offset), b = load_row(from, body, 1, offset);
-  const V c = load_row(from, body, 2, offset), e = load_row(from, body, 3, offset);
+  const V a = load_row(d, from, body, 0, offset), b = load_row(d, from, body, 1, offset);
+  const V c = load_row(d, from, body, 2, offset), e = load_row(d, from, body, 3, offset);
   const V ac = hn::InterleaveLower(d, a, c), be = hn::InterleaveLower(d, b, e);
   return {hn::InterleaveLower(d, ac, be), hn::InterleaveUpper(d, ac, be),
           hn::InterleaveLower(d, hn::InterleaveUpper(d, a, c), hn::InterleaveUpper(d, b, e))};
 }
 
-HWY_INLINE void store_row(V row, SoftVector* to, const std::int32_t* body, std::size_t k,
-                          std::int32_t rest, std::size_t offset) {
-  if constexpr (k_native == 8) {
-    const hn::Half<D> half;
-    if (body[k] != rest) hn::StoreU(hn::LowerHalf(half, row), half, to[body[k]].data() + offset);
-    if (body[k + 4] != rest)
-      hn::StoreU(hn::UpperHalf(half, row), half, to[body[k + 4]].data() + offset);
+template <typename Block>
+HWY_INLINE void store_row(Block d, hn::Vec<Block> row, SoftVector* to, const std::int32_t* body,
+                          std::size_t k, std::int32_t rest, std::size_t offset) {
+  if constexpr (hn::MaxLanes(Block()) == 4) {
+    if (body[k] != rest) hn::StoreU(row, d, to[body[k]].data() + offset);
   } else {
-    if (body[k] != rest) hn::StoreU(row, D(), to[body[k]].data() + offset);
+    const hn::Half<Block> half;
+    store_row(half, hn::LowerHalf(half, row), to, body, k, rest, offset);
+    store_row(half, hn::UpperHalf(half, row), to, body, k + hn::MaxLanes(half), rest, offset);
   }
 }
 
@@ -110,11 +111,11 @@ HWY_INLINE void scatter_part(SoftVector* to, const std::int32_t* body, std::int3
   const D d;
   const V zero = hn::Zero(d);
   const V xz = hn::InterleaveLower(d, part.x, part.z), y0 = hn::InterleaveLower(d, part.y, zero);
-  store_row(hn::InterleaveLower(d, xz, y0), to, body, 0, rest, offset);
-  store_row(hn::InterleaveUpper(d, xz, y0), to, body, 1, rest, offset);
+  store_row(d, hn::InterleaveLower(d, xz, y0), to, body, 0, rest, offset);
+  store_row(d, hn::InterleaveUpper(d, xz, y0), to, body, 1, rest, offset);
   const V zx = hn::InterleaveUpper(d, part.x, part.z), y1 = hn::InterleaveUpper(d, part.y, zero);
-  store_row(hn::InterleaveLower(d, zx, y1), to, body, 2, rest, offset);
-  store_row(hn::InterleaveUpper(d, zx, y1), to, body, 3, rest, offset);
+  store_row(d, hn::InterleaveLower(d, zx, y1), to, body, 2, rest, offset);
+  store_row(d, hn::InterleaveUpper(d, zx, y1), to, body, 3, rest, offset);
 }
 
 #endif

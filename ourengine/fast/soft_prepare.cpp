@@ -142,7 +142,8 @@ HWY_INLINE void prepare_lanes(SoftBatch& batch, std::size_t i, const SoftInertia
 
 void prepare(SoftBatch* batches, std::size_t count, const SoftInertia* inertia) {
   for (SoftBatch* batch = batches; batch != batches + count; ++batch)
-    for (std::size_t i = 0; i < k_lanes; i += hn::Lanes(D())) prepare_lanes(*batch, i, inertia);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(batch->lanes); i += hn::Lanes(D()))
+      prepare_lanes(*batch, i, inertia);
 }
 
 HWY_INLINE void push_row(const SoftBatch& batch, std::size_t i, const Vector& direction,
@@ -154,7 +155,8 @@ HWY_INLINE void push_row(const SoftBatch& batch, std::size_t i, const Vector& di
 
 void push(const SoftBatch* batches, std::size_t count, SoftVector* change, std::int32_t rest) {
   for (const SoftBatch* batch = batches; batch != batches + count; ++batch) {
-    for (std::size_t i = 0; i < k_lanes; i += hn::Lanes(D())) {
+    const auto lanes = static_cast<std::size_t>(batch->lanes);
+    for (std::size_t i = 0; i < lanes; i += hn::Lanes(D())) {
       Pair v = gather(change, *batch, i);
       const Vector n = load(batch->normal, i);
       for (int p = 0; p < batch->points; ++p) {

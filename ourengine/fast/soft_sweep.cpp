@@ -120,7 +120,8 @@ template <bool biased>
 HWY_INLINE void sweep_all(SoftBatch* batches, std::size_t count, const SoftStep& step,
                           SoftVector* velocity, const SoftVector* moved, std::int32_t rest) {
   for (SoftBatch* batch = batches; batch != batches + count; ++batch) {
-    for (std::size_t i = 0; i < k_lanes; i += hn::Lanes(D())) {
+    const auto lanes = static_cast<std::size_t>(batch->lanes);
+    for (std::size_t i = 0; i < lanes; i += hn::Lanes(D())) {
       Pair v = gather(velocity, *batch, i);
       const V load_ns = normals<biased>(*batch, i, step, biased ? v : gather(moved, *batch, i), v);
       if (rubs(*batch, i, load_ns)) {
