@@ -10,8 +10,8 @@ namespace {
 constexpr int kMaxIterations = 80;
 constexpr double kProximal = 1e-9;      // of the Delassus diagonal: bounds the weights of H
 constexpr double kClip = 100.0;         // second-order correction, in units of the mean f w
-constexpr double kStartSlack = 0.02;    // least of w at the start, in units of the scale
-constexpr double kStartImpulse = 2.0;   // A f at the start, in the same units
+constexpr double kStartSlack = 0.05;    // least of w at the start, in units of the scale
+constexpr double kStartImpulse = 1.0;   // A f at the start, in the same units
 constexpr double kClear = 1e-2;         // A f over w, or its inverse, where it is clear which is 0
 constexpr double kPolishFrom = 2e-3;    // part of contacts not clear at the first polish ...
 constexpr double kPolishAgain = 0.3;    // ... and, times that, at the next
@@ -21,7 +21,7 @@ constexpr double kPolishSoftness = 1e-5;
 constexpr double kPolishHopeless = 0.02;  // residual after the first guess; then must halve
 constexpr int kPolishGuesses = 4;
 constexpr int kPolishSolves = 3;
-constexpr int kCentralityCorrectors = 2;
+constexpr int kCentralityCorrectors = 1;
 constexpr double kLongerBy = 1.5;  // the step that a centrality corrector aims at
 constexpr double kLongerPlus = 0.1;
 constexpr double kBand = 0.1;         // products f w outside target * (band, 1 / band) are moved
@@ -204,10 +204,6 @@ class OrthantMethod {
 
   double largest_step() const { return 1.0 / std::max(ordered_max(o_.ratio, n_), 1e-300); }
 
-  // The complementarity to aim at when the predictor would leave `ratio` of it (Mehrotra's rule has
-  // the third power).
-  double centring(double ratio) const { return ratio * ratio * ratio * ratio * complementarity_; }
-
   // Gondzio's corrector (Multiple centrality corrections in a primal-dual method for linear
   // programming, 1996): pulls outlying products f w at a longer step back into a band around the
   // target, for the price of one solve. Keeps the direction only if the step grows enough.
@@ -215,7 +211,7 @@ class OrthantMethod {
     const double now = std::min(1.0, largest_step());
     if (now >= 0.95) return false;
     const double aim = std::min(1.0, kLongerBy * now + kLongerPlus);
-    const double target = centring(ratio);
+    const double target = ratio * ratio * ratio * complementarity_;
     old_rhs_.assign(o_.rhs, o_.rhs + n_);
     old_df_.assign(o_.df, o_.df + n_);
     old_dw_.assign(o_.dw, o_.dw + n_);
@@ -252,7 +248,8 @@ class OrthantMethod {
     for (std::size_t i = 0; i < count(); ++i)
       after += (o_.f[i] + affine * o_.df[i]) * (o_.w[i] + affine * o_.dw[i]);
     const double ratio = after / mean_divisor() / complementarity_;
-    cone_kernels().orthant_corrector(o_, centring(ratio), kClip * complementarity_);
+    cone_kernels().orthant_corrector(o_, ratio * ratio * ratio * complementarity_,
+                                     kClip * complementarity_);
     direction();
     for (int k = 0; k < kCentralityCorrectors && correct_centrality(ratio); ++k) {
     }
