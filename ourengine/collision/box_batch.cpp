@@ -10,7 +10,7 @@ namespace ourengine {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::CappedTag<double, 4>;
+using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 constexpr std::size_t k_pairs = hn::MaxLanes(D());
@@ -18,8 +18,6 @@ constexpr std::size_t k_pairs = hn::MaxLanes(D());
 // As in box_box.cpp.
 constexpr double k_axis_bias = 1e-3;
 constexpr double k_parallel_edges = 1e-6;
-// Room for rounding in the test that spares the square root.
-constexpr double k_filter_slack = 1e-12;
 
 struct BoxVector {
   V x, y, z;
@@ -30,7 +28,7 @@ struct Boxes {
 };
 
 HWY_INLINE V dot(const BoxVector& a, const BoxVector& b) {
-  return hn::Add(hn::Mul(a.x, b.x), hn::Add(hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)));
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
 
 // The same vector of k_pairs boxes, one register per component.
@@ -39,7 +37,18 @@ HWY_INLINE BoxVector transpose(const std::array<double, 4>* const* from) {
 #if HWY_TARGET == HWY_SCALAR
   return {hn::Set(d, (*from[0])[0]), hn::Set(d, (*from[0])[1]), hn::Set(d, (*from[0])[2])};
 #else
-  if constexpr (k_pairs == 4) {
+  if constexpr (k_pairs == 8) {
+    const hn::Half<D> half;
+    const auto two = [&](std::size_t k) HWY_ATTR {
+      return hn::Combine(d, hn::LoadU(half, from[k + 4]->data()), hn::LoadU(half, from[k]->data()));
+    };
+    const V a = two(0), b = two(1), c = two(2), e = two(3);
+    const V ab = hn::InterleaveLower(d, a, b), ce = hn::InterleaveLower(d, c, e);
+    return {hn::OddEvenBlocks(hn::SwapAdjacentBlocks(ce), ab),
+            hn::OddEvenBlocks(hn::SwapAdjacentBlocks(hn::InterleaveUpper(d, c, e)),
+                              hn::InterleaveUpper(d, a, b)),
+            hn::OddEvenBlocks(ce, hn::SwapAdjacentBlocks(ab))};
+  } else if constexpr (k_pairs == 4) {
     const V a = hn::LoadU(d, from[0]->data()), b = hn::LoadU(d, from[1]->data());
     const V c = hn::LoadU(d, from[2]->data()), e = hn::LoadU(d, from[3]->data());
     const V ab = hn::InterleaveLower(d, a, b), ce = hn::InterleaveLower(d, c, e);
@@ -110,33 +119,53 @@ HWY_INLINE V face_gap(V offset, V own_half, V reach) {
 
 HWY_INLINE V signed_square(V x) { return hn::Mul(x, hn::Abs(x)); }
 
-// Edge i of a with edge j of b: takes over where the pair is open and this axis wins.
-HWY_INLINE void try_edges(const Relative& all, const Boxes& a, const Boxes& b, int i, int j,
-                          V margin, V& threshold, Best& best, M& open) {
+// A gap that has not been divided yet: over / sqrt(length_squared).
+struct Edges {
+  V over, length_squared, axis;
+};
+
+// Edge i of a with edge j of b.
+HWY_INLINE Edges cross_edges(const Relative& all, const Boxes& a, const Boxes& b, int i, int j) {
   const D d;
   const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-  const V one = hn::Set(d, 1.0);
-  const V length_squared = hn::Sub(one, hn::Mul(all.r[i][j], all.r[i][j]));
   const V distance =
-      hn::Abs(hn::Sub(hn::Mul(all.in_a[i2], all.r[i1][j]), hn::Mul(all.in_a[i1], all.r[i2][j])));
-  const V reach_a =
-      hn::Add(hn::Mul(a.half[i1], all.abs_r[i2][j]), hn::Mul(a.half[i2], all.abs_r[i1][j]));
-  const V reach_b =
-      hn::Add(hn::Mul(b.half[j1], all.abs_r[i][j2]), hn::Mul(b.half[j2], all.abs_r[i][j1]));
-  const V over = hn::Sub(distance, hn::Add(reach_a, reach_b));
-  // over / length > threshold, without the root: x -> x |x| is monotone.
-  const V least = hn::Mul(signed_square(threshold), length_squared);
-  const V slack = hn::Mul(hn::Set(d, k_filter_slack), hn::Abs(least));
-  M wins = hn::And(open, hn::Gt(signed_square(over), hn::Sub(least, slack)));
-  wins = hn::And(wins, hn::Ge(length_squared, hn::Set(d, k_parallel_edges)));
-  if (hn::AllFalse(d, wins)) return;
-  const V safe = hn::IfThenElse(wins, length_squared, one);
-  const V gap = hn::Div(over, hn::Sqrt(safe));
-  wins = hn::And(wins, hn::Gt(gap, threshold));
-  best.gap = hn::IfThenElse(wins, gap, best.gap);
-  best.axis = hn::IfThenElse(wins, hn::Set(d, 6.0 + 3.0 * i + j), best.axis);
-  threshold = hn::IfThenElse(wins, gap, threshold);
-  open = hn::And(open, hn::Not(hn::And(wins, hn::Gt(gap, margin))));
+      hn::Abs(hn::NegMulAdd(all.in_a[i1], all.r[i2][j], hn::Mul(all.in_a[i2], all.r[i1][j])));
+  V reach = hn::Mul(a.half[i1], all.abs_r[i2][j]);
+  reach = hn::MulAdd(a.half[i2], all.abs_r[i1][j], reach);
+  reach = hn::MulAdd(b.half[j1], all.abs_r[i][j2], reach);
+  reach = hn::MulAdd(b.half[j2], all.abs_r[i][j1], reach);
+  return {hn::Sub(distance, reach), hn::NegMulAdd(all.r[i][j], all.r[i][j], hn::Set(d, 1.0)),
+          hn::Set(d, 6.0 + 3.0 * i + j)};
+}
+
+// The best edges of the pairs that are open, in the order of BoxSeparation::axis, if they beat the
+// threshold. Gaps are compared by their squares with sign, multiplied out (x -> x |x| is monotone),
+// so that no pair needs more than one root and one division, and there is no branch to guess.
+HWY_INLINE void try_edges(const Relative& all, const Boxes& a, const Boxes& b, V margin,
+                          V threshold, M open, Best& best) {
+  const D d;
+  const V square_of_margin = signed_square(margin);
+  Edges top = {threshold, hn::Set(d, 1.0), best.axis};
+  V square = signed_square(threshold);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Edges edges = cross_edges(all, a, b, i, j);
+      const V own = signed_square(edges.over);
+      M wins = hn::Gt(hn::Mul(own, top.length_squared), hn::Mul(square, edges.length_squared));
+      wins = hn::And(wins, hn::Ge(edges.length_squared, hn::Set(d, k_parallel_edges)));
+      wins = hn::And(wins, open);
+      top.over = hn::IfThenElse(wins, edges.over, top.over);
+      top.length_squared = hn::IfThenElse(wins, edges.length_squared, top.length_squared);
+      top.axis = hn::IfThenElse(wins, edges.axis, top.axis);
+      square = hn::IfThenElse(wins, own, square);
+      const M apart = hn::Gt(own, hn::Mul(square_of_margin, edges.length_squared));
+      open = hn::And(open, hn::Not(hn::And(wins, apart)));
+    }
+  }
+  const M found = hn::Ge(top.axis, hn::Set(d, 6.0));
+  if (hn::AllFalse(d, found)) return;
+  const V gap = hn::Div(top.over, hn::Sqrt(top.length_squared));
+  best = {hn::IfThenElse(found, gap, best.gap), hn::IfThenElse(found, top.axis, best.axis)};
 }
 
 HWY_INLINE Best separate_lanes(const Boxes& a, const Boxes& b, V margin) {
@@ -159,11 +188,9 @@ HWY_INLINE Best separate_lanes(const Boxes& a, const Boxes& b, V margin) {
   const M of_b = hn::Gt(best_b.gap, hn::Add(best_a.gap, bias));
   Best best = {hn::IfThenElse(of_b, best_b.gap, best_a.gap),
                hn::IfThenElse(of_b, best_b.axis, best_a.axis)};
-  M open = hn::Le(hn::Max(best_a.gap, best_b.gap), margin);
+  const M open = hn::Le(hn::Max(best_a.gap, best_b.gap), margin);
   if (hn::AllFalse(d, open)) return best;
-  V threshold = hn::Add(best.gap, bias);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) try_edges(all, a, b, i, j, margin, threshold, best, open);
+  try_edges(all, a, b, margin, hn::Add(best.gap, bias), open, best);
   return best;
 }
 
