@@ -5,8 +5,9 @@
 // precision; positions stay double and are touched once per step only.
 //
 // Two implementations of each pass: SIMD (Highway, chosen at run time for the processor) and a
-// plain scalar twin that reads like the algorithm and is the oracle of tests. Neither contracts
-// products and sums, and lanes never mix: both give the same bits.
+// plain scalar twin that reads like the algorithm and is the oracle of tests. Both contract the
+// same products and sums, and lanes never mix: both give the same bits where the processor can
+// contract.
 //
 // Source: E. Catto, Solver2D, 2024 (soft step: one biased and one relaxing sweep per sub-step);
 // M. Macklin et al., Small Steps in Physics Simulation, SCA 2019. Departures: friction is that of a
@@ -98,6 +99,9 @@ void soft_sweep(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
                 std::span<SoftVector> velocity, std::span<const SoftVector> moved);
 void soft_sweep_scalar(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
                        std::span<SoftVector> velocity, std::span<const SoftVector> moved);
+
+// Whether this processor multiplies and adds in one rounding, as the scalar twins always do.
+bool soft_fuses();
 
 // Newton's law of restitution for points that were struck during the step.
 void soft_bounce(std::span<SoftBatch> batches, std::span<SoftVector> velocity);

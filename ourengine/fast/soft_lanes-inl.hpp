@@ -32,15 +32,15 @@ HWY_INLINE void store(V value, Lane& lane, std::size_t i) {
 }
 
 HWY_INLINE V dot(const Vector& a, const Vector& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+  return hn::MulAdd(a.z, b.z, hn::MulAdd(a.y, b.y, hn::Mul(a.x, b.x)));
 }
 HWY_INLINE Vector minus(const Vector& a, const Vector& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 HWY_INLINE void add(Vector& a, const Vector& b, V scale) {
-  a.x = hn::Add(a.x, hn::Mul(b.x, scale));
-  a.y = hn::Add(a.y, hn::Mul(b.y, scale));
-  a.z = hn::Add(a.z, hn::Mul(b.z, scale));
+  a.x = hn::MulAdd(b.x, scale, a.x);
+  a.y = hn::MulAdd(b.y, scale, a.y);
+  a.z = hn::MulAdd(b.z, scale, a.z);
 }
 
 struct Pair {

@@ -8,14 +8,16 @@ namespace {
 
 using Vector = std::array<float, 3>;
 
-float dot(const Vector& a, const Vector& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+float dot(const Vector& a, const Vector& b) {
+  return std::fma(a[2], b[2], std::fma(a[1], b[1], a[0] * b[0]));
+}
 Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Vector times(const Vector& a, float scale) { return {a[0] * scale, a[1] * scale, a[2] * scale}; }
 Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 void add(Vector& a, const Vector& b, float scale) {
-  for (std::size_t k = 0; k < 3; ++k) a[k] = a[k] + b[k] * scale;
+  for (std::size_t k = 0; k < 3; ++k) a[k] = std::fma(b[k], scale, a[k]);
 }
 Vector lane(const Lane3& lanes, std::size_t i) { return {lanes[0][i], lanes[1][i], lanes[2][i]}; }
 void put(Lane3& lanes, std::size_t i, const Vector& v) {

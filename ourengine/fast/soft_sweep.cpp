@@ -48,14 +48,13 @@ HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, cons
     const V mass_scale = hn::IfThenElse(open, hn::Set(d, 1.0F), soft_mass);
     const V impulse_scale = hn::IfThenElse(open, zero, soft_impulse);
     const V old = load(point.impulse, i);
-    const V wanted =
-        hn::Add(hn::Mul(hn::Mul(load(point.mass, i), mass_scale), hn::Add(speed, bias)),
-                hn::Mul(impulse_scale, old));
+    const V wanted = hn::MulAdd(hn::Mul(load(point.mass, i), mass_scale), hn::Add(speed, bias),
+                                hn::Mul(impulse_scale, old));
     const V next = hn::Max(hn::Sub(old, wanted), zero);
     const V impulse = hn::Sub(next, old);
     store(next, point.impulse, i);
     store(hn::Max(load(point.max_impulse, i), next), point.max_impulse, i);
-    approach = hn::Add(approach, hn::Mul(impulse, inverse_mass));
+    approach = hn::MulAdd(impulse, inverse_mass, approach);
     applied = hn::Add(applied, impulse);
     sum = hn::Add(sum, next);
     turn(point.row, i, impulse, v);
@@ -74,11 +73,9 @@ HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, V limit, Pair& v) {
   const V old1 = load(batch.friction_impulse[0], i);
   const V old2 = load(batch.friction_impulse[1], i);
   const V mass_12 = load(batch.friction_mass_12, i);
-  V next1 =
-      hn::Sub(old1, hn::Add(hn::Mul(load(batch.friction_mass_11, i), u1), hn::Mul(mass_12, u2)));
-  V next2 =
-      hn::Sub(old2, hn::Add(hn::Mul(mass_12, u1), hn::Mul(load(batch.friction_mass_22, i), u2)));
-  const V length = hn::Sqrt(hn::Add(hn::Mul(next1, next1), hn::Mul(next2, next2)));
+  V next1 = hn::Sub(old1, hn::MulAdd(load(batch.friction_mass_11, i), u1, hn::Mul(mass_12, u2)));
+  V next2 = hn::Sub(old2, hn::MulAdd(load(batch.friction_mass_22, i), u2, hn::Mul(mass_12, u1)));
+  const V length = hn::Sqrt(hn::MulAdd(next1, next1, hn::Mul(next2, next2)));
   const auto slips = hn::Gt(length, limit);
   const V scale = hn::IfThenElse(slips, hn::Div(limit, length), hn::Set(D(), 1.0F));
   next1 = hn::Mul(next1, scale);
@@ -141,6 +138,13 @@ void sweep(SoftBatch* batches, std::size_t count, const SoftStep& step, bool bia
          : sweep_all<false>(batches, count, step, velocity, moved, rest);
 }
 
+// (1 + e)^2 - (1 + 2 e) is e^2, unless the square is rounded first.
+bool fuses() {
+  const float e = 0x1p-14F;
+  const V x = hn::Set(D(), 1.0F + e);
+  return hn::GetLane(hn::MulAdd(x, x, hn::Set(D(), -(1.0F + 2.0F * e)))) > 0.0F;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace ourengine
 HWY_AFTER_NAMESPACE();
@@ -148,6 +152,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ourengine {
 HWY_EXPORT(sweep);
+HWY_EXPORT(fuses);
+
+bool soft_fuses() { return HWY_DYNAMIC_DISPATCH(fuses)(); }
 
 void soft_sweep(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
                 std::span<SoftVector> velocity, std::span<const SoftVector> moved) {

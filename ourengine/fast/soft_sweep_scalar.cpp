@@ -9,10 +9,12 @@ namespace {
 
 using Vector = std::array<float, 3>;
 
-float dot(const Vector& a, const Vector& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+float dot(const Vector& a, const Vector& b) {
+  return std::fma(a[2], b[2], std::fma(a[1], b[1], a[0] * b[0]));
+}
 Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 void add(Vector& a, const Vector& b, float scale) {
-  for (std::size_t k = 0; k < 3; ++k) a[k] = a[k] + b[k] * scale;
+  for (std::size_t k = 0; k < 3; ++k) a[k] = std::fma(b[k], scale, a[k]);
 }
 Vector lane(const Lane3& lanes, std::size_t i) { return {lanes[0][i], lanes[1][i], lanes[2][i]}; }
 Vector linear(const SoftVector& v) { return {v[0], v[1], v[2]}; }
@@ -65,12 +67,12 @@ float normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool biased
       impulse_scale = biased ? step.impulse_scale : 0.0F;
     }
     const float wanted =
-        (point.mass[i] * mass_scale) * (speed + bias) + impulse_scale * point.impulse[i];
+        std::fma(point.mass[i] * mass_scale, speed + bias, impulse_scale * point.impulse[i]);
     const float next = std::max(point.impulse[i] - wanted, 0.0F);
     const float impulse = next - point.impulse[i];
     point.impulse[i] = next;
     point.max_impulse[i] = std::max(point.max_impulse[i], next);
-    approach = approach + impulse * inverse_mass;
+    approach = std::fma(impulse, inverse_mass, approach);
     applied = applied + impulse;
     sum = sum + next;
     turn(point.row, i, impulse, v);
@@ -88,10 +90,10 @@ void tangents(SoftBatch& batch, std::size_t i, float load, Pair& v) {
   const float u2 = dot(t2, relative) + turning(batch.friction_row[1], i, v);
   const float old1 = batch.friction_impulse[0][i];
   const float old2 = batch.friction_impulse[1][i];
-  float next1 = old1 - (batch.friction_mass_11[i] * u1 + batch.friction_mass_12[i] * u2);
-  float next2 = old2 - (batch.friction_mass_12[i] * u1 + batch.friction_mass_22[i] * u2);
+  float next1 = old1 - std::fma(batch.friction_mass_11[i], u1, batch.friction_mass_12[i] * u2);
+  float next2 = old2 - std::fma(batch.friction_mass_22[i], u2, batch.friction_mass_12[i] * u1);
   const float limit = batch.friction[i] * load;
-  const float length = std::sqrt(next1 * next1 + next2 * next2);
+  const float length = std::sqrt(std::fma(next1, next1, next2 * next2));
   if (length > limit) {
     const float scale = limit / length;
     next1 = next1 * scale;
