@@ -1,8 +1,12 @@
 // Sparse Cholesky of H = M + J^T D J in 6x6 blocks, on the fronts kept by a ContactSystem.
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "ourengine/contact/kernels.hpp"
 #include "ourengine/contact/system.hpp"
+#include "ourengine/parallel/worker_pool.hpp"
 
 namespace ourengine {
 
@@ -16,12 +20,22 @@ class BlockCholesky {
   // x = H^-1 x; per-body layout. `system` of the last factor() must be alive.
   void solve(AlignedDoubles& x);
 
+  // Threads that share the work from now on; null: none. They change no bit of a result.
+  void share(std::shared_ptr<WorkerPool> workers) { workers_ = std::move(workers); }
+
   int factorisations() const { return factorisations_; }
 
  private:
+  // work(subtree, thread) for each subtree.
+  template <class Work>
+  void for_subtrees(Work&& work) const;
+  int threads() const { return workers_ == nullptr ? 1 : workers_->threads(); }
+
   const Kernels* kernels_;
+  std::shared_ptr<WorkerPool> workers_;
   FrontalView fronts_;
-  AlignedDoubles panels_, updates_, vectors_;
+  AlignedDoubles panels_, updates_, scratch_, vectors_;
+
   int factorisations_ = 0;
 };
 

@@ -10,6 +10,12 @@ namespace {
 
 constexpr double kZeros = 0.1;
 
+// Subtrees with no more than this part of the work are not divided further: few enough to leave
+// little of the work to the fronts above them, many enough to share.
+constexpr double kSubtree = 0.2;
+// Factorisations with less work are done in one piece: a millisecond or so.
+constexpr double kLeastFlops = 2e7;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::size_t round_up(std::size_t n) { return (n + 7) / 8 * 8; }
@@ -84,6 +90,8 @@ class Builder {
     out_.front = join_columns(below_);
     list_rows();
     link();
+    count_flops();
+    divide();
     lay_out();
     return std::move(out_);
   }
@@ -145,30 +153,88 @@ class Builder {
     return front.update_lead() * 6 * at(front.rows - front.columns) + 8;
   }
 
+  void count_flops() {
+    flops_.assign(out_.front.size(), 0.0);
+    for (std::size_t s = 0; s < out_.front.size(); ++s) {
+      const Front& front = out_.front[s];
+      const double k = 6.0 * front.columns, m = 6.0 * front.rows;
+      const double own = k * (m - k) * (m - k) + k * k * (m - k) + k * k * k / 3.0;
+      out_.flops += own;
+      flops_[s] += own;
+      const int above = parent(front);
+      if (above >= 0) flops_[at(above)] += flops_[s];  // of the subtree
+    }
+  }
+
+  // The largest subtrees with no more than a part of the work; they are consecutive fronts.
+  void divide() {
+    const int n = static_cast<int>(out_.front.size());
+    const double most = out_.flops < kLeastFlops ? 0.0 : kSubtree * out_.flops;
+    int rest_end = n;
+    for (int s = n - 1; s >= 0;) {
+      if (flops_[at(s)] > most) {
+        --s;
+        continue;
+      }
+      const int begin = first_descendant(s);
+      if (s + 1 < rest_end) out_.rest.push_back({s + 1, rest_end});
+      out_.subtree.push_back({begin, s + 1});
+      s = begin - 1;
+      rest_end = begin;
+    }
+    if (rest_end > 0) out_.rest.push_back({0, rest_end});
+    std::reverse(out_.rest.begin(), out_.rest.end());
+    std::sort(out_.subtree.begin(), out_.subtree.end(),
+              [&](const FrontTask& a, const FrontTask& b) {
+                return flops_[at(a.end - 1)] < flops_[at(b.end - 1)];
+              });
+  }
+
+  int first_descendant(int s) const {
+    const Front& front = out_.front[at(s)];
+    if (front.child_begin == front.child_end) return s;
+    return first_descendant(out_.child[at(front.child_begin)]);
+  }
+
   void lay_out() {
-    Arena arena;
     for (Front& front : out_.front) {
-      const std::size_t columns = 6 * at(front.columns), rows = 6 * at(front.rows);
-      front.lead = round_up(rows);
+      const std::size_t columns = 6 * at(front.columns);
+      front.lead = round_up(6 * at(front.rows));
       front.skip = columns / 8 * 8;
       front.panel = out_.panel_doubles;
       out_.panel_doubles += front.lead * columns + 8;  // vectors may reach beyond the last row
       front.vector = out_.vector_doubles;
       out_.vector_doubles += front.lead;
-      const double k = static_cast<double>(columns), m = static_cast<double>(rows);
-      out_.flops += k * (m - k) * (m - k) + k * k * (m - k) + k * k * k / 3.0;
-      front.update = arena.take(update_size(front));
+    }
+    // The updates of a subtree are forgotten with it but for that of its last front, and all
+    // subtrees come before the rest.
+    Arena updates;
+    for (const FrontTask& subtree : out_.subtree) {
+      Front& last = out_.front[at(subtree.end - 1)];
+      last.update = updates.take(update_size(last));
+      Arena scratch;
+      place(subtree, scratch, true);
+      out_.scratch_doubles = std::max(out_.scratch_doubles, round_up(scratch.end()));
+    }
+    for (const FrontTask& part : out_.rest) place(part, updates, false);
+    out_.update_doubles = updates.end();
+  }
+
+  void place(const FrontTask& part, Arena& arena, bool subtree) {
+    for (int s = part.begin; s < part.end; ++s) {
+      Front& front = out_.front[at(s)];
+      front.in_scratch = subtree && s + 1 < part.end;
+      if (front.in_scratch || !subtree) front.update = arena.take(update_size(front));
       for (int c = front.child_begin; c < front.child_end; ++c) {
         const Front& child = out_.front[at(out_.child[at(c)])];
         arena.give_back(child.update, update_size(child));
       }
     }
-    out_.update_doubles = arena.end();
-    out_.task = {{0, static_cast<int>(out_.front.size())}};
   }
 
   const std::vector<std::vector<int>>& below_;
   FrontPattern out_;
+  std::vector<double> flops_;  // of the subtree of each front
 };
 
 }  // namespace

@@ -25,7 +25,8 @@ struct Front {
   std::size_t lead = 0;    // of the panel
   std::size_t skip = 0;    // scalar rows of the panel that the update matrix leaves out
   std::size_t panel = 0;   // in the store of panels
-  std::size_t update = 0;  // in the store of updates
+  std::size_t update = 0;  // in the store of updates, or in the scratch of its subtree
+  bool in_scratch = false;
   std::size_t vector = 0;  // in the store of vectors: `lead` entries
 
   std::size_t update_lead() const { return lead - skip; }
@@ -49,8 +50,16 @@ struct FrontWork {
   }
 };
 
-inline FrontWork work_on(const Front& front, double* panels, double* updates) {
-  return {front, panels + front.panel, updates + front.update};
+// Where the parts of fronts are while they are worked on.
+struct FrontStores {
+  double* panels = nullptr;
+  double* updates = nullptr;
+  double* scratch = nullptr;
+};
+
+inline FrontWork work_on(const Front& front, const FrontStores& stores) {
+  return {front, stores.panels + front.panel,
+          (front.in_scratch ? stores.scratch : stores.updates) + front.update};
 }
 
 // Consecutive block rows of a front that are consecutive in its parent as well.
@@ -60,7 +69,7 @@ struct FrontRun {
   int length = 0;
 };
 
-// A part of the tree that can be done without looking at the rest: fronts begin .. end, in order.
+// Fronts begin .. end, in order.
 struct FrontTask {
   int begin = 0;
   int end = 0;
@@ -72,8 +81,11 @@ struct FrontPattern {
   std::vector<int> child;
   std::vector<FrontRun> run;
   std::vector<int> front_of_column;
-  std::vector<FrontTask> task;  // disjoint subtrees, then the rest as the last one
-  std::size_t panel_doubles = 0, update_doubles = 0, vector_doubles = 0;
+  // Subtrees that can be done in any order, and at once, the largest last; then the rest, in order.
+  // Whatever the order, every front sees the same numbers.
+  std::vector<FrontTask> subtree, rest;
+  // Scratch for any one subtree: as many as are done at once are needed.
+  std::size_t panel_doubles = 0, update_doubles = 0, scratch_doubles = 0, vector_doubles = 0;
   double flops = 0.0;  // of a factorisation, with those on zeros that fronts store
 };
 

@@ -100,7 +100,7 @@ struct Kernels {
   // diagonal blocks hold the inverse of their factor. False if a pivot was not positive (the factor
   // is then of a modified matrix).
   bool (*factor_fronts)(const SystemView& system, const FrontalView& fronts, const double* d,
-                        FrontTask task, double* panels, double* updates);
+                        FrontTask task, const FrontStores& stores);
   // x = L^-1 x and x = L^-T x, 8 doubles per column; tasks forward in order, backward in reverse.
   // `vectors` is work.
   void (*solve_fronts_forward)(const FrontalView& fronts, FrontTask task, const double* panels,

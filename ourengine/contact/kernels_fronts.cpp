@@ -258,12 +258,12 @@ HWY_INLINE void clear(const FrontWork& work) {
 }
 
 bool factor_fronts(const SystemView& system, const FrontalView& view, const double* d,
-                   FrontTask task, double* panels, double* updates) {
+                   FrontTask task, const FrontStores& stores) {
   bool positive = true;
   const FrontPattern& fronts = *view.fronts;
   for (std::size_t s = at(task.begin); s < at(task.end); ++s) {
     const Front& front = fronts.front[s];
-    const FrontWork work = work_on(front, panels, updates);
+    const FrontWork work = work_on(front, stores);
     clear(work);
     if (system.components == 1)
       add_system<1>(system, view, d, s, work);
@@ -272,7 +272,7 @@ bool factor_fronts(const SystemView& system, const FrontalView& view, const doub
     const auto add_children = [&](bool to_panel) {
       for (int c = front.child_begin; c < front.child_end; ++c) {
         const Front& child = fronts.front[at(fronts.child[at(c)])];
-        add_child(fronts, work_on(child, panels, updates), work, to_panel);
+        add_child(fronts, work_on(child, stores), work, to_panel);
       }
     };
     add_children(true);

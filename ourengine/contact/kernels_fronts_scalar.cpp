@@ -132,18 +132,18 @@ bool eliminate(const FrontWork& work) {
 }  // namespace
 
 bool factor_fronts(const SystemView& system, const FrontalView& view, const double* d,
-                   FrontTask task, double* panels, double* updates) {
+                   FrontTask task, const FrontStores& stores) {
   bool positive = true;
   const FrontPattern& fronts = *view.fronts;
   for (int s = task.begin; s < task.end; ++s) {
-    const FrontWork work = work_on(fronts.front[at(s)], panels, updates);
+    const FrontWork work = work_on(fronts.front[at(s)], stores);
     for (std::size_t c = 0; c < work.rows(); ++c) {
       for (std::size_t r = c; r < work.rows(); ++r) *work.entry(r, c) = 0.0;
     }
     add_system(system, view, d, s, work);
     for (int c = work.front.child_begin; c < work.front.child_end; ++c) {
       const Front& child = fronts.front[at(fronts.child[at(c)])];
-      add_child(fronts, work_on(child, panels, updates), work);
+      add_child(fronts, work_on(child, stores), work);
     }
     positive = eliminate(work) && positive;
   }

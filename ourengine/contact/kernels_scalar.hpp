@@ -6,7 +6,7 @@
 namespace ourengine::scalar {
 
 bool factor_fronts(const SystemView& system, const FrontalView& view, const double* d,
-                   FrontTask task, double* panels, double* updates);
+                   FrontTask task, const FrontStores& stores);
 void solve_fronts_forward(const FrontalView& view, FrontTask task, const double* panels,
                           double* vectors, double* x);
 void solve_fronts_backward(const FrontalView& view, FrontTask task, const double* panels,

@@ -31,6 +31,11 @@ struct WarmStart {
 // What may be kept from one solve to the next: symbolic factors and buffers. It changes the cost
 // of a solve, never its result.
 struct SolverMemory {
+  // threads >= 1, the caller's included. They change no bit of a result.
+  explicit SolverMemory(int threads = 1) {
+    if (threads > 1) cholesky.share(std::make_shared<WorkerPool>(threads));
+  }
+
   SymbolicCache symbolic;
   BlockCholesky cholesky;
   BlockLu lu;

@@ -45,9 +45,10 @@ struct Tally {
 };
 
 // Cold solves of one problem; the symbolic factorisation is kept, as from step to step.
-void cold(benchmark::State& state, Solver solver, const WallSpec& spec, double tolerance) {
+void cold(benchmark::State& state, Solver solver, const WallSpec& spec, double tolerance,
+          int threads = 1) {
   const ContactProblem problem = make_wall(spec);
-  SolverMemory memory;
+  SolverMemory memory(threads);
   Tally tally;
   for (auto _ : state) {
     const ContactSolution solution = solver(problem, {tolerance, 0}, {}, memory);
@@ -121,6 +122,23 @@ void add_friction() {
   }
 }
 
+// Wall time of one cold frictionless solve, one and two threads.
+void add_threads() {
+  for (const int size : {30, 50, 100}) {
+    for (const int threads : {1, 2}) {
+      benchmark::RegisterBenchmark(
+          ("threads/impact/" + square(size) + "/" + std::to_string(threads)).c_str(),
+          [=](benchmark::State& state) {
+            cold(state, ourengine::solve_ipm, {size, size, WallState::kImpact, 0.0}, 1e-10,
+                 threads);
+          })
+          ->Unit(benchmark::kMillisecond)
+          ->UseRealTime()
+          ->MeasureProcessCPUTime();
+    }
+  }
+}
+
 void add_standing() {
   for (const int size : {10, 20, 30}) {
     for (const int digits : {0, 9, 7, 6}) {  // 0: no noise
@@ -139,6 +157,7 @@ int main(int argc, char** argv) {
   add_frictionless();
   add_friction();
   add_standing();
+  add_threads();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;

@@ -101,6 +101,26 @@ TEST(Repeat, BitwiseTheSameWhateverWasSolvedBefore) {
 }
 
 // On problems with one solution: a resting wall, slipping towers.
+// A wall large enough for its factor to be shared, with and without friction.
+TEST(Repeat, BitwiseTheSameOnOneTwoAndFourThreads) {
+  for (const double friction : {0.0, 0.5}) {
+    const ContactProblem problem =
+        make_wall({24, 24, friction > 0.0 ? WallState::kRest : WallState::kImpact, friction});
+    std::vector<ourengine::ContactSolution> solutions;
+    for (const int threads : {1, 2, 4, 2}) {
+      SolverMemory memory(threads);
+      solutions.push_back(ourengine::solve_exact(problem, {1e-10, 4}, {}, memory));
+    }
+    ourengine::SymbolicCache cache;
+    const ourengine::ContactSystem system(problem, 1, cache);
+    ASSERT_GE(system.symbolic().fronts.subtree.size(), 4u) << "nothing was shared";
+    for (const auto& solution : solutions) {
+      EXPECT_EQ(solution.velocity, solutions[0].velocity);
+      EXPECT_EQ(solution.impulse_ns, solutions[0].impulse_ns);
+    }
+  }
+}
+
 TEST(Repeat, AWarmStartChangesTheCostNotTheAnswer) {
   Worst worst;
   for (const ContactProblem& before :
