@@ -32,9 +32,10 @@ struct WarmStart {
 // of a solve, never its result.
 struct SolverMemory {
   // threads >= 1, the caller's included. They change no bit of a result.
-  explicit SolverMemory(int threads = 1) {
-    if (threads > 1) cholesky.share(std::make_shared<WorkerPool>(threads));
-  }
+  explicit SolverMemory(int threads = 1)
+      : SolverMemory(threads > 1 ? std::make_shared<WorkerPool>(threads) : nullptr) {}
+  // A pool that others use as well, at other times; null: no threads.
+  explicit SolverMemory(std::shared_ptr<WorkerPool> workers) { cholesky.share(std::move(workers)); }
 
   SymbolicCache symbolic;
   BlockCholesky cholesky;

@@ -9,6 +9,7 @@
 
 #include "ourengine/dynamics/collide.hpp"
 #include "ourengine/dynamics/model.hpp"
+#include "ourengine/parallel/worker_pool.hpp"
 
 namespace ourengine {
 
@@ -33,7 +34,9 @@ class ContactSet {
 
   // (bodies) motions at the start of the step; reach_m: (bodies) how far any point of the body can
   // move in this step. Impulses of persisting points are carried over.
-  void update(std::span<const Motion> motions, std::span<const double> reach_m, double step_s);
+  // workers: share the work, and change no bit of the result.
+  void update(std::span<const Motion> motions, std::span<const double> reach_m, double step_s,
+              WorkerPool& workers);
 
   // Adds points that only show where the bodies get to; points() stays in the order of the pairs.
   void add(std::span<const ContactPoint> late);
@@ -63,6 +66,7 @@ class ContactSet {
   BroadPhase broad_phase_;
   std::vector<double> thickness_m_;  // smallest edge or diameter per body
   std::vector<Aabb> boxes_;
+  std::vector<Manifold> manifolds_;  // of the pairs
   std::vector<ContactPoint> points_;
   std::vector<ContactPoint> previous_;
   std::vector<bool> inherited_;

@@ -39,7 +39,8 @@ Dynamics::Dynamics(std::vector<BodyModel> bodies, std::vector<Motion> motions, S
       loads_(bodies_.size()),
       contacts_(bodies_, options.margin_m),
       reach_m_(bodies_.size(), 0.0),
-      memory_(std::make_unique<SolverMemory>()) {}
+      workers_(std::make_shared<WorkerPool>(options.threads)),
+      memory_(std::make_unique<SolverMemory>(workers_)) {}
 
 void Dynamics::apply(std::span<const Load> loads) { std::ranges::copy(loads, loads_.begin()); }
 
@@ -48,7 +49,7 @@ void Dynamics::set_motions(std::span<const Motion> motions) {
     if (!bodies_[i].fixed) motions_[i] = motions[i];
   }
   contacts_.clear();
-  memory_ = std::make_unique<SolverMemory>();
+  memory_ = std::make_unique<SolverMemory>(workers_);
 }
 
 void Dynamics::restore(const Snapshot& snapshot) {
@@ -62,7 +63,7 @@ const StepReport& Dynamics::step() {
   expect_reach();
   bool widened = true;
   while (widened && report_.passes < k_pass_limit) {
-    contacts_.update(motions_, reach_m_, options_.step_s);
+    contacts_.update(motions_, reach_m_, options_.step_s, *workers_);
     state_problem();
     solve();
     widened = widen_reach();

@@ -47,6 +47,7 @@ struct DynamicsOptions {
   // An approach slower than this many dt |g| is no impact: restitution counts as 0.
   double resting_approach_steps = 2.0;
   bool frictionless = false;  // the paper's law: friction counts as 0
+  int threads = 1;            // the caller's included; the result does not depend on them
 };
 
 // What the last step had to do.
@@ -119,6 +120,7 @@ class Dynamics {
   ContactSolution solution_;
   std::vector<Motion> ends_;  // where the last solution brings the bodies
   std::vector<ContactPoint> late_;
+  std::shared_ptr<WorkerPool> workers_;
   std::unique_ptr<SolverMemory> memory_;
   StepReport report_;
 };

@@ -176,6 +176,22 @@ TEST(Dynamics, ARestoredSnapshotContinuesBitForBit) {
   EXPECT_TRUE(same_bits(first.motions(), second.motions()));
 }
 
+TEST(Dynamics, ThreadsChangeNoBit) {
+  Wall wall = running_bond(24, 24);  // large enough to be shared
+  add_brick(wall, {0.1, 0.05, 0.05}, {2.0, -0.2, 1.2}, {0, 1, 0});
+  std::vector<std::vector<Motion>> ends;
+  for (const int threads : {1, 2, 4}) {
+    DynamicsOptions options = exact(1.0 / 240);
+    options.solve.tolerance = 1e-6;
+    options.threads = threads;
+    Dynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}), options);
+    for (int i = 0; i < 3; ++i) dynamics.step();
+    ends.emplace_back(dynamics.motions().begin(), dynamics.motions().end());
+  }
+  EXPECT_TRUE(same_bits(ends[0], ends[1]));
+  EXPECT_TRUE(same_bits(ends[0], ends[2]));
+}
+
 TEST(Dynamics, TheLastProblemCanBeSolvedAgainByOthers) {
   const Wall wall = running_bond(3, 3);
   Dynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}), exact(1.0 / 240));
