@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -88,7 +89,7 @@ TEST(SoftSweep, SimdAndScalarTwinGiveTheSameNumbers) {
     std::vector<SoftVector> velocity(bodies + 1, SoftVector{});
     std::vector<SoftVector> moved(bodies + 1, SoftVector{});
     for (std::size_t i = 0; i < bodies; ++i)
-      for (const std::size_t k : {0, 1, 2, 4, 5, 6}) {
+      for (const std::size_t k : std::array<std::size_t, 6>{0, 1, 2, 4, 5, 6}) {
         velocity[i][k] = any(random);
         moved[i][k] = 1e-3F * any(random);
       }
@@ -364,16 +365,16 @@ TEST(FastDynamics, FastBricksNeverPass) {
   }
 }
 
-// A limit that stops the step early is told, not hidden: a blow of 200 m/s on a wall of many joints
-// needs more trials than there are.
+// Two sub-steps of 1/60 s do not hold a wall of ten courses: no number of sweeps settles the step,
+// and that is told, not hidden.
 TEST(FastDynamics, ALimitThatRunsOutIsReported) {
-  Wall wall = running_bond(10, 10, 0.001);
-  add_brick(wall, {0.1, 0.05, 0.05}, {1.03, -1.0, 0.52}, {0, 200, 0}, 10000.0);
+  const Wall wall = running_bond(10, 10, 0.001);
   FastDynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, 0.0}),
-                        options_of(1.0 / 240, 20));
+                        options_of(1.0 / 30, 2));
   int ran_out = 0;
-  for (int i = 0; i < 60; ++i) ran_out += dynamics.step().ran_out ? 1 : 0;
-  EXPECT_GT(ran_out, 0);
+  for (int i = 0; i < 10; ++i) ran_out += dynamics.step().ran_out ? 1 : 0;
+  EXPECT_GT(ran_out, 5);
+  EXPECT_GT(dynamics.report().overlap_left_m, 0.0);
 }
 
 // At rest nothing moves by the bound of recycling: manifolds are made once.
