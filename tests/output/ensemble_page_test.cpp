@@ -191,7 +191,8 @@ TEST(Ensembles, GoldenBytes) {
 }
 
 TEST(Ensembles, InputIsEscaped) {
-  auto folder = source({{"ant", 0.0}, {k_hostile_page, 1.0}}, std::string("wall=") + k_hostile_page);
+  auto folder =
+      source({{"ant", 0.0}, {k_hostile_page, 1.0}}, std::string("wall=") + k_hostile_page);
   for (Row& row : folder.rows) {
     row.metric = k_hostile_page;
     row.unit = k_hostile_page;
