@@ -117,7 +117,8 @@ std::vector<AuditFact> facts_of(const engine::DynamicsOptions& o) {
           number_fact("overlap_recovery", "1", o.overlap_recovery),
           number_fact("recovery_limit_mps", "m/s", o.recovery_limit_mps),
           number_fact("resting_approach_steps", "1", o.resting_approach_steps),
-          number_fact("frictionless", "1", o.frictionless ? 1 : 0)};
+          number_fact("frictionless", "1", o.frictionless ? 1 : 0),
+          number_fact("threads", "1", o.threads)};
 }
 
 std::vector<AuditFact> facts_of(const engine::FastOptions& o) {
@@ -257,6 +258,7 @@ engine::DynamicsOptions exact_options(const World& world, const Settings& settin
   options.overlap_recovery = value("overlap_recovery");
   options.recovery_limit_mps = value("recovery_limit_mps");
   options.resting_approach_steps = value("resting_approach_steps");
+  options.threads = settings.threads;
   return options;
 }
 
