@@ -20,6 +20,10 @@ void put(Lane3& lanes, std::size_t i, const Eigen::Vector3d& v) {
   }
 }
 
+Eigen::Vector3d lane(const Lane3& lanes, std::size_t i) {
+  return {lanes[0][i], lanes[1][i], lanes[2][i]};
+}
+
 SoftBatch empty_batch(std::size_t bodies) {
   SoftBatch batch{};
   batch.body_a.fill(static_cast<std::int32_t>(bodies));
@@ -40,6 +44,11 @@ bool FastDynamics::is_near(const SoftManifold& manifold) const {
 // Those of the contact set, then those that only the end of the step shows.
 SoftManifold& FastDynamics::solved_manifold(std::size_t index) {
   const std::span<SoftManifold> known = contacts_.manifolds();
+  return index < known.size() ? known[index] : late_[index - known.size()];
+}
+
+const SoftManifold& FastDynamics::solved_manifold(std::size_t index) const {
+  const std::span<const SoftManifold> known = contacts_.manifolds();
   return index < known.size() ? known[index] : late_[index - known.size()];
 }
 
@@ -135,6 +144,8 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
   const SurfaceLaw& law = laws_(bodies_[a].surface, bodies_[b].surface);
   batch.friction[i] = static_cast<float>(law.friction);
   batch.twist_impulse[i] = manifold.twist_impulse;
+  batch.twist_total[i] = 0.0F;
+  for (Lane& total : batch.friction_total) total[i] = 0.0F;
   put(batch.carried_friction, i, manifold.friction_impulse.cast<double>());
   for (std::size_t p = 0; p < k_soft_points; ++p) {
     SoftPoint& point = batch.point[p];
@@ -150,6 +161,7 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
     point.impulse[i] = present ? manifold.impulse[p] : 0.0F;
     point.bounce[i] = 0.0F;
     point.max_impulse[i] = 0.0F;
+    point.total[i] = 0.0F;
     if (!present || law.restitution == 0.0) continue;
     const double approach = manifold.normal.dot(velocity_at(b, arm_b) - velocity_at(a, arm_a));
     if (approach < -options_.resting_approach_mps) {
@@ -192,28 +204,29 @@ void FastDynamics::keep_impulses() {
   }
 }
 
-// Friction and twist of a manifold become forces at its points.
+// What the step applied; friction and twist of a manifold become forces at its points.
 std::vector<SoftContact> FastDynamics::contacts() const {
   std::vector<SoftContact> contacts;
-  const auto add = [&](const SoftManifold& manifold) {
+  for (const Slot& slot : slots_) {
+    const SoftManifold& manifold = solved_manifold(at(slot.manifold));
+    const SoftBatch& batch = batches_[at(slot.batch)];
+    const std::size_t i = at(slot.lane);
     const auto arms = std::span(manifold.arm_a_m).first(at(manifold.count));
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3d& arm : arms) centre += arm / manifold.count;
     double squares = 0.0;
     for (const Eigen::Vector3d& arm : arms) squares += (arm - centre).squaredNorm();
-    const double turn = squares > 0.0 ? static_cast<double>(manifold.twist_impulse) / squares : 0.0;
+    const Eigen::Vector3d normal = lane(batch.normal, i);
+    const Eigen::Vector3d friction = batch.friction_total[0][i] * lane(batch.tangent[0], i) +
+                                     batch.friction_total[1][i] * lane(batch.tangent[1], i);
+    const double turn = squares > 0.0 ? batch.twist_total[i] / squares : 0.0;
     for (std::size_t p = 0; p < arms.size(); ++p) {
-      const Eigen::Vector3d impulse = static_cast<double>(manifold.impulse[p]) * manifold.normal +
-                                      manifold.friction_impulse.cast<double>() / manifold.count +
-                                      turn * manifold.normal.cross(arms[p] - centre);
       contacts.push_back({manifold.body_a, manifold.body_b, manifold.centre_a_m + arms[p],
-                          manifold.normal, manifold.gap_m[p], options_.substeps * impulse});
+                          manifold.normal, manifold.gap_m[p],
+                          batch.point[p].total[i] * normal + friction / manifold.count +
+                              turn * normal.cross(arms[p] - centre)});
     }
-  };
-  for (const SoftManifold& manifold : contacts_.manifolds()) {
-    if (manifold.count > 0 && is_near(manifold)) add(manifold);
   }
-  std::ranges::for_each(late_, add);
   return contacts;
 }
 

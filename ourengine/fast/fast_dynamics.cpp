@@ -69,12 +69,14 @@ void FastDynamics::set_motions(std::span<const Motion> motions) {
   }
   contacts_.clear();
   late_.clear();
+  slots_.clear();
 }
 
 void FastDynamics::restore(const Snapshot& snapshot) {
   motions_ = snapshot.motions;
   contacts_.restore(snapshot.contacts);
   late_.clear();
+  slots_.clear();
 }
 
 const FastReport& FastDynamics::step() {
@@ -214,7 +216,7 @@ SoftStep FastDynamics::soft_step() const {
 }
 
 void FastDynamics::run_substeps() {
-  const SoftStep step = soft_step();
+  SoftStep step = soft_step();
   const double h = options_.step_s / options_.substeps;
   const auto for_bodies = [&](auto work) {
     pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
@@ -244,7 +246,10 @@ void FastDynamics::run_substeps() {
     for_bodies([&](std::size_t i) {
       for (std::size_t k = 0; k < 8; ++k) moved_[i][k] += step.step_s * velocity_[i][k];
     });
-    for (int k = 0; k < sweeps_; ++k) sweep(step, false, (s + k) % 2 != 0);
+    for (int k = 0; k < sweeps_; ++k) {
+      step.counted = k + 1 == sweeps_ ? 1.0F : 0.0F;
+      sweep(step, false, (s + k) % 2 != 0);
+    }
   }
   if (!bouncing_) return;
   for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) soft_bounce(colour(c), velocity_);

@@ -98,6 +98,7 @@ class FastDynamics {
   bool hand_on_reach();
   void colour_manifolds();
   SoftManifold& solved_manifold(std::size_t index);
+  const SoftManifold& solved_manifold(std::size_t index) const;
   bool is_near(const SoftManifold& manifold) const;
   void place_slots(std::span<const int> sizes);
   void fill_batches();

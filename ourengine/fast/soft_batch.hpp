@@ -6,8 +6,8 @@
 //
 // Two implementations of each pass: SIMD (Highway, chosen at run time for the processor) and a
 // plain scalar twin that reads like the algorithm and is the oracle of tests. Both contract the
-// same products and sums, and lanes never mix: both give the same bits where the processor can
-// contract.
+// same products and sums, and lanes never mix: both give the same bits. Where the processor cannot
+// contract, the twin does the work, slowly: bits do not depend on the machine.
 //
 // Source: E. Catto, Solver2D, 2024 (soft step: one biased and one relaxing sweep per sub-step);
 // M. Macklin et al., Small Steps in Physics Simulation, SCA 2019. Departures: friction is that of a
@@ -43,6 +43,7 @@ struct alignas(64) SoftPoint {
   Lane impulse;      // N s per sub-step, accumulated
   Lane bounce;       // m/s: velocity to leave with, 0 without restitution
   Lane max_impulse;  // largest impulse of the step
+  Lane total;        // N s: what all sub-steps applied
 };
 
 struct alignas(64) SoftBatch {
@@ -58,10 +59,12 @@ struct alignas(64) SoftBatch {
   std::array<SoftRow, 2> friction_row;
   Lane friction_mass_11, friction_mass_12, friction_mass_22;  // inverse of the 2x2 matrix
   std::array<Lane, 2> friction_impulse;
+  std::array<Lane, 2> friction_total;  // N s, of the step
   Lane3 twist_a;  // I_a^-1 normal
   Lane3 twist_b;
   Lane twist_mass;
   Lane twist_impulse;
+  Lane twist_total;
   Lane twist_arm;  // m: mean distance of the points from their centre
   Lane friction;
   Lane3 carried_friction;  // N s per sub-step on b, world axes: of the last step
@@ -79,6 +82,7 @@ struct SoftStep {
   float mass_scale;      // of the soft constraint, 1: rigid
   float impulse_scale;   // of the soft constraint, 0: rigid
   float push_limit_mps;  // an overlap is never pushed out faster
+  float counted = 1.0F;  // 1 in the last relaxing sweep of a sub-step, whose impulses are summed up
 };
 
 // Everything that follows from what identifies a contact: from bodies, normal, levers, gaps, points

@@ -186,10 +186,12 @@ HWY_EXPORT(prepare);
 HWY_EXPORT(push);
 
 void soft_prepare(std::span<SoftBatch> batches, std::span<const SoftInertia> inertia) {
+  if (!soft_fuses()) return soft_prepare_scalar(batches, inertia);
   HWY_DYNAMIC_DISPATCH(prepare)(batches.data(), batches.size(), inertia.data());
 }
 
 void soft_push(std::span<const SoftBatch> batches, std::span<SoftVector> change) {
+  if (!soft_fuses()) return soft_push_scalar(batches, change);
   HWY_DYNAMIC_DISPATCH(push)
   (batches.data(), batches.size(), change.data(), static_cast<std::int32_t>(change.size()) - 1);
 }

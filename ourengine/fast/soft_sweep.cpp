@@ -20,6 +20,11 @@ HWY_INLINE V find_gap(const SoftBatch& batch, SoftPoint& point, std::size_t i, c
   return gap;
 }
 
+// What the sub-steps of a step apply is what stands after their last relaxing sweeps.
+HWY_INLINE void sum_up(V impulse, const SoftStep& step, Lane& total, std::size_t i) {
+  store(hn::MulAdd(impulse, hn::Set(D(), step.counted), load(total, i)), total, i);
+}
+
 // Returns the sum of the normal impulses. moved: unused by the biased sweep.
 template <bool biased>
 HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, const Pair& moved,
@@ -54,6 +59,7 @@ HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, cons
     const V impulse = hn::Sub(next, old);
     store(next, point.impulse, i);
     store(hn::Max(load(point.max_impulse, i), next), point.max_impulse, i);
+    if constexpr (!biased) sum_up(next, step, point.total, i);
     approach = hn::MulAdd(impulse, inverse_mass, approach);
     applied = hn::Add(applied, impulse);
     sum = hn::Add(sum, next);
@@ -64,7 +70,8 @@ HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, cons
   return sum;
 }
 
-HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, V limit, Pair& v) {
+template <bool biased>
+HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, const SoftStep& step, V limit, Pair& v) {
   const Vector t1 = load(batch.tangent[0], i);
   const Vector t2 = load(batch.tangent[1], i);
   const Vector relative = minus(v.linear_b, v.linear_a);
@@ -82,6 +89,10 @@ HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, V limit, Pair& v) {
   next2 = hn::Mul(next2, scale);
   store(next1, batch.friction_impulse[0], i);
   store(next2, batch.friction_impulse[1], i);
+  if constexpr (!biased) {
+    sum_up(next1, step, batch.friction_total[0], i);
+    sum_up(next2, step, batch.friction_total[1], i);
+  }
   const V d1 = hn::Sub(next1, old1);
   const V d2 = hn::Sub(next2, old2);
   const V inverse_mass_a = load(batch.inverse_mass_a, i);
@@ -94,13 +105,15 @@ HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, V limit, Pair& v) {
   turn(batch.friction_row[1], i, d2, v);
 }
 
-HWY_INLINE void twist(SoftBatch& batch, std::size_t i, V limit, Pair& v) {
+template <bool biased>
+HWY_INLINE void twist(SoftBatch& batch, std::size_t i, const SoftStep& step, V limit, Pair& v) {
   const V spin = dot(load(batch.normal, i), minus(v.angular_b, v.angular_a));
   const V bound = hn::Mul(limit, load(batch.twist_arm, i));
   const V old = load(batch.twist_impulse, i);
   const V wanted = hn::Sub(old, hn::Mul(load(batch.twist_mass, i), spin));
   const V next = hn::Max(hn::Min(wanted, bound), hn::Neg(bound));
   store(next, batch.twist_impulse, i);
+  if constexpr (!biased) sum_up(next, step, batch.twist_total, i);
   add(v.angular_a, load(batch.twist_a, i), hn::Neg(hn::Sub(next, old)));
   add(v.angular_b, load(batch.twist_b, i), hn::Sub(next, old));
 }
@@ -123,8 +136,8 @@ HWY_INLINE void sweep_all(SoftBatch* batches, std::size_t count, const SoftStep&
       const V load_ns = normals<biased>(*batch, i, step, biased ? v : gather(moved, *batch, i), v);
       if (rubs(*batch, i, load_ns)) {
         const V limit = hn::Mul(load(batch->friction, i), load_ns);
-        tangents(*batch, i, limit, v);
-        twist(*batch, i, limit, v);
+        tangents<biased>(*batch, i, step, limit, v);
+        twist<biased>(*batch, i, step, limit, v);
       }
       scatter_side(velocity, batch->body_a.data() + i, rest, v.linear_a, v.angular_a);
       scatter_side(velocity, batch->body_b.data() + i, rest, v.linear_b, v.angular_b);
@@ -158,6 +171,7 @@ bool soft_fuses() { return HWY_DYNAMIC_DISPATCH(fuses)(); }
 
 void soft_sweep(std::span<SoftBatch> batches, const SoftStep& step, bool biased,
                 std::span<SoftVector> velocity, std::span<const SoftVector> moved) {
+  if (!soft_fuses()) return soft_sweep_scalar(batches, step, biased, velocity, moved);
   HWY_DYNAMIC_DISPATCH(sweep)
   (batches.data(), batches.size(), step, biased, velocity.data(), moved.data(),
    static_cast<std::int32_t>(velocity.size()) - 1);

@@ -72,6 +72,7 @@ float normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool biased
     const float impulse = next - point.impulse[i];
     point.impulse[i] = next;
     point.max_impulse[i] = std::max(point.max_impulse[i], next);
+    if (!biased) point.total[i] = std::fma(next, step.counted, point.total[i]);
     approach = std::fma(impulse, inverse_mass, approach);
     applied = applied + impulse;
     sum = sum + next;
@@ -82,7 +83,8 @@ float normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool biased
   return sum;
 }
 
-void tangents(SoftBatch& batch, std::size_t i, float load, Pair& v) {
+void tangents(SoftBatch& batch, std::size_t i, const SoftStep& step, float load, bool biased,
+              Pair& v) {
   const Vector t1 = lane(batch.tangent[0], i);
   const Vector t2 = lane(batch.tangent[1], i);
   const Vector relative = minus(v.linear_b, v.linear_a);
@@ -101,6 +103,10 @@ void tangents(SoftBatch& batch, std::size_t i, float load, Pair& v) {
   }
   batch.friction_impulse[0][i] = next1;
   batch.friction_impulse[1][i] = next2;
+  if (!biased) {
+    batch.friction_total[0][i] = std::fma(next1, step.counted, batch.friction_total[0][i]);
+    batch.friction_total[1][i] = std::fma(next2, step.counted, batch.friction_total[1][i]);
+  }
   const float d1 = next1 - old1;
   const float d2 = next2 - old2;
   add(v.linear_a, t1, -(d1 * batch.inverse_mass_a[i]));
@@ -111,12 +117,14 @@ void tangents(SoftBatch& batch, std::size_t i, float load, Pair& v) {
   turn(batch.friction_row[1], i, d2, v);
 }
 
-void twist(SoftBatch& batch, std::size_t i, float load, Pair& v) {
+void twist(SoftBatch& batch, std::size_t i, const SoftStep& step, float load, bool biased,
+           Pair& v) {
   const float spin = dot(lane(batch.normal, i), minus(v.angular_b, v.angular_a));
   const float limit = (batch.friction[i] * load) * batch.twist_arm[i];
   const float old = batch.twist_impulse[i];
   const float next = std::max(std::min(old - batch.twist_mass[i] * spin, limit), -limit);
   batch.twist_impulse[i] = next;
+  if (!biased) batch.twist_total[i] = std::fma(next, step.counted, batch.twist_total[i]);
   add(v.angular_a, lane(batch.twist_a, i), -(next - old));
   add(v.angular_b, lane(batch.twist_b, i), next - old);
 }
@@ -132,8 +140,8 @@ void soft_sweep_scalar(std::span<SoftBatch> batches, const SoftStep& step, bool 
       const std::int32_t b = batch.body_b[i];
       Pair v = gather(velocity, a, b);
       const float load = normals(batch, i, step, biased, gather(moved, a, b), v);
-      tangents(batch, i, load, v);
-      twist(batch, i, load, v);
+      tangents(batch, i, step, load, biased, v);
+      twist(batch, i, step, load, biased, v);
       if (a != rest) scatter(velocity[static_cast<std::size_t>(a)], v.linear_a, v.angular_a);
       if (b != rest) scatter(velocity[static_cast<std::size_t>(b)], v.linear_b, v.angular_b);
     }
@@ -156,6 +164,7 @@ void soft_bounce(std::span<SoftBatch> batches, std::span<SoftVector> velocity) {
             std::max(point.impulse[i] - point.mass[i] * (speed - point.bounce[i]), 0.0F);
         const float impulse = next - point.impulse[i];
         point.impulse[i] = next;
+        point.total[i] = point.total[i] + impulse;
         add(v.linear_a, n, -(impulse * batch.inverse_mass_a[i]));
         add(v.linear_b, n, impulse * batch.inverse_mass_b[i]);
         turn(point.row, i, impulse, v);

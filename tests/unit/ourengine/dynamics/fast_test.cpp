@@ -20,172 +20,6 @@ using testing::deepest_overlap_m;
 using testing::running_bond;
 using testing::Wall;
 
-// Batches of random numbers: nothing physical, every branch taken.
-std::vector<SoftBatch> random_batches(std::mt19937_64& random, int count, int bodies) {
-  std::uniform_real_distribution<float> any(-1.0F, 1.0F);
-  std::uniform_real_distribution<float> positive(0.01F, 1.0F);
-  std::vector<SoftBatch> batches(static_cast<std::size_t>(count));
-  const auto fill3 = [&](Lane3& lanes) {
-    for (Lane& lane : lanes)
-      for (float& x : lane) x = any(random);
-  };
-  const auto fill = [&](Lane& lane, float scale) {
-    for (float& x : lane) x = scale * positive(random);
-  };
-  const auto fill_row = [&](SoftRow& row) {
-    fill3(row.arm_a);
-    fill3(row.arm_b);
-    fill3(row.turn_a);
-    fill3(row.turn_b);
-  };
-  int next = 0;
-  for (SoftBatch& batch : batches) {
-    for (std::size_t i = 0; i < k_lanes; ++i) {
-      batch.body_a[i] = next++ % bodies;
-      batch.body_b[i] = i == 3 ? bodies : next++ % bodies;  // one lane rests on the fixed body
-    }
-    fill3(batch.normal);
-    fill3(batch.tangent[0]);
-    fill3(batch.tangent[1]);
-    fill(batch.inverse_mass_a, 1.0F);
-    fill(batch.inverse_mass_b, 1.0F);
-    batch.points = 1 + count % k_soft_points;
-    batch.lanes = k_lanes;
-    for (SoftPoint& point : batch.point) {
-      fill_row(point.row);
-      fill(point.mass, 0.3F);
-      for (float& gap : point.gap) gap = 0.01F * any(random);
-      for (float& gap : point.gap_now) gap = 0.01F * any(random);
-      fill(point.impulse, 1.0F);
-      point.bounce.fill(0.0F);
-      point.max_impulse.fill(0.0F);
-    }
-    fill_row(batch.friction_row[0]);
-    fill_row(batch.friction_row[1]);
-    fill(batch.friction_mass_11, 0.3F);
-    fill(batch.friction_mass_12, 0.05F);
-    fill(batch.friction_mass_22, 0.3F);
-    fill(batch.friction_impulse[0], 0.3F);
-    fill(batch.friction_impulse[1], 0.3F);
-    fill3(batch.twist_a);
-    fill3(batch.twist_b);
-    fill(batch.twist_mass, 0.3F);
-    fill(batch.twist_impulse, 0.3F);
-    fill(batch.twist_arm, 0.1F);
-    fill(batch.friction, 0.5F);
-  }
-  return batches;
-}
-
-// The sign of a zero impulse may differ; nothing else may.
-TEST(SoftSweep, SimdAndScalarTwinGiveTheSameNumbers) {
-  if (!soft_fuses()) GTEST_SKIP() << "this processor rounds products before it adds";
-  std::mt19937_64 random(21);
-  std::uniform_real_distribution<float> any(-1.0F, 1.0F);
-  const int bodies = 160;
-  for (int round = 0; round < 50; ++round) {
-    std::vector<SoftBatch> simd = random_batches(random, 9, bodies);
-    std::vector<SoftBatch> scalar = simd;
-    std::vector<SoftVector> velocity(bodies + 1, SoftVector{});
-    std::vector<SoftVector> moved(bodies + 1, SoftVector{});
-    for (std::size_t i = 0; i < bodies; ++i)
-      for (const std::size_t k : std::array<std::size_t, 6>{0, 1, 2, 4, 5, 6}) {
-        velocity[i][k] = any(random);
-        moved[i][k] = 1e-3F * any(random);
-      }
-    std::vector<SoftVector> velocity_scalar = velocity;
-    const SoftStep step{1.0F / 960, 36.0F, 0.94F, 0.06F, 3.0F};
-    const bool biased = round % 2 == 0;
-    soft_sweep(simd, step, biased, velocity, moved);
-    soft_sweep_scalar(scalar, step, biased, velocity_scalar, moved);
-    ASSERT_EQ(
-        std::memcmp(velocity.data(), velocity_scalar.data(), velocity.size() * sizeof(SoftVector)),
-        0)
-        << "round " << round;
-    for (std::size_t b = 0; b < simd.size(); ++b) {
-      for (std::size_t p = 0; p < k_soft_points; ++p) {
-        ASSERT_EQ(simd[b].point[p].impulse, scalar[b].point[p].impulse);
-        ASSERT_EQ(simd[b].point[p].gap_now, scalar[b].point[p].gap_now);
-      }
-      ASSERT_EQ(simd[b].friction_impulse[0], scalar[b].friction_impulse[0]);
-      ASSERT_EQ(simd[b].twist_impulse, scalar[b].twist_impulse);
-    }
-  }
-}
-
-std::vector<SoftInertia> random_inertias(std::mt19937_64& random, std::size_t bodies) {
-  std::uniform_real_distribution<float> any(-0.2F, 0.2F);
-  std::uniform_real_distribution<float> positive(0.5F, 1.0F);
-  std::vector<SoftInertia> inertias(bodies + 1, SoftInertia{});
-  for (std::size_t i = 0; i < bodies; ++i) {
-    inertias[i] = {positive(random), any(random),      any(random),      positive(random),
-                   any(random),      positive(random), positive(random), 0.0F};
-  }
-  return inertias;
-}
-
-// Byte for byte, but for padding, which neither writes.
-TEST(SoftPrepare, SimdAndScalarTwinGiveTheSameNumbers) {
-  if (!soft_fuses()) GTEST_SKIP() << "this processor rounds products before it adds";
-  std::mt19937_64 random(22);
-  const int bodies = 160;
-  for (int round = 0; round < 20; ++round) {
-    std::vector<SoftBatch> simd = random_batches(random, 9, bodies);
-    for (SoftBatch& batch : simd) {
-      for (SoftPoint& point : batch.point)
-        for (float& present : point.mass) present = present > 0.15F ? 1.0F : 0.0F;
-      for (std::size_t k = 0; k < 3; ++k) batch.carried_friction[k] = batch.tangent[0][k];
-    }
-    std::vector<SoftBatch> scalar = simd;
-    const std::vector<SoftInertia> inertias = random_inertias(random, bodies);
-    soft_prepare(simd, inertias);
-    soft_prepare_scalar(scalar, inertias);
-    ASSERT_EQ(std::memcmp(simd.data(), scalar.data(), simd.size() * sizeof(SoftBatch)), 0)
-        << "round " << round;
-    std::vector<SoftVector> change(bodies + 1, SoftVector{});
-    std::vector<SoftVector> change_scalar = change;
-    soft_push(simd, change);
-    soft_push_scalar(scalar, change_scalar);
-    ASSERT_EQ(std::memcmp(change.data(), change_scalar.data(), change.size() * sizeof(SoftVector)),
-              0)
-        << "round " << round;
-  }
-}
-
-// Rows against the textbook: the effective mass of a point is 1 / (J M^-1 J^T).
-TEST(SoftPrepare, EffectiveMassIsThatOfTheTwoBodies) {
-  SoftBatch batch{};
-  batch.body_a.fill(2);
-  batch.body_b.fill(2);
-  batch.body_a[0] = 0;
-  batch.body_b[0] = 1;
-  batch.points = 1;
-  batch.lanes = k_lanes;
-  const Eigen::Vector3f n = Eigen::Vector3f(1, -2, 3).normalized();
-  const Eigen::Vector3f arms[2] = {{0.1F, 0.2F, -0.3F}, {-0.2F, 0.05F, 0.1F}};
-  for (std::size_t k = 0; k < 3; ++k) {
-    batch.normal[k][0] = n[static_cast<Eigen::Index>(k)];
-    batch.point[0].row.arm_a[k][0] = arms[0][static_cast<Eigen::Index>(k)];
-    batch.point[0].row.arm_b[k][0] = arms[1][static_cast<Eigen::Index>(k)];
-  }
-  batch.point[0].mass[0] = 1.0F;
-  const std::vector<SoftInertia> inertias = {
-      {2, 0.1F, 0.2F, 3, 0.3F, 4, 0.5F, 0}, {5, 0.3F, 0.1F, 2, 0.2F, 6, 0.25F, 0}, {}};
-  soft_prepare(std::span(&batch, 1), inertias);
-  float sum = 0.75F;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const SoftInertia& i = inertias[k];
-    Eigen::Matrix3f inverse;
-    inverse << i[0], i[1], i[2], i[1], i[3], i[4], i[2], i[4], i[5];
-    const Eigen::Vector3f moment = arms[k].cross(n);
-    sum += moment.dot(inverse * moment);
-  }
-  Worst worst;
-  worst.see(std::abs(batch.point[0].mass[0] * sum - 1.0F), "of 1 / (J M^-1 J^T)");
-  EXPECT_TRUE(worst.within({"effective mass, relative", 1.2e-6, 6e-8, "single precision"}));
-  EXPECT_EQ(batch.point[0].mass[1], 0.0F) << "an empty lane has no point";
-}
-
 FastOptions options_of(double step_s, int substeps) {
   FastOptions options;
   options.step_s = step_s;
@@ -230,6 +64,42 @@ TEST(FastDynamics, MomentumOfACollisionInSpaceIsKept) {
   Worst worst;
   worst.see((momentum() - before).norm() / before.norm(), "after the hit");
   EXPECT_TRUE(worst.within({"momentum, relative", 5e-7, 2.7e-8, "single precision, 8 sub-steps"}));
+}
+
+// A blow takes several rounds of sweeps, restitution acts at the end of a step, friction all along:
+// what the ground gave, with gravity, is the change of momentum in every step.
+TEST(FastDynamics, ContactsHoldTheImpulsesOfTheWholeStep) {
+  for (const double restitution : {0.0, 0.5}) {
+    Wall wall = running_bond(4, 4, 0.001);
+    add_brick(wall, {0.1, 0.05, 0.05}, {0.41, -0.5, 0.16}, {0.3, 20.0, -2.0});
+    FastDynamics dynamics(wall.bodies, wall.motions, SurfaceLaws(1, {0.5, restitution}),
+                          options_of(1.0 / 240, 20));
+    double mass_kg = 0.0;
+    for (std::size_t i = 1; i < wall.bodies.size(); ++i) mass_kg += wall.bodies[i].mass_kg;
+    const auto momentum = [&] {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (std::size_t i = 1; i < wall.bodies.size(); ++i)
+        sum += wall.bodies[i].mass_kg * dynamics.motions()[i].velocity_mps;
+      return sum;
+    };
+    const Eigen::Vector3d weight_ns = mass_kg * Eigen::Vector3d(0, 0, -9.81 / 240);
+    const double scale_ns = momentum().norm();
+    Eigen::Vector3d before = momentum();
+    double repeated = 0.0;
+    Worst worst;
+    for (int i = 0; i < 120; ++i) {
+      repeated += dynamics.step().passes > 1 ? 1 : 0;
+      Eigen::Vector3d expected = before + weight_ns;
+      for (const SoftContact& contact : dynamics.contacts()) {
+        if (contact.body_a == 0) expected += contact.impulse_ns;
+      }
+      before = momentum();
+      worst.see((before - expected).norm() / scale_ns, "step " + std::to_string(i));
+    }
+    EXPECT_GT(repeated, 0.0) << "no step was tried twice: the test sees too little";
+    EXPECT_TRUE(worst.within({"momentum, relative", 2e-5, 3.6e-6,
+                              "single precision; up to eight rounds of sweeps in 20 sub-steps"}));
+  }
 }
 
 TEST(FastDynamics, RunsRepeatBitForBitAlsoAfterSetMotions) {
