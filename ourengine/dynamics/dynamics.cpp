@@ -245,7 +245,9 @@ bool Dynamics::look_ahead() {
         return Eigen::Vector3d(
             dt * (v.head<3>() + v.tail<3>().cross(end.position_m - ends_[body].position_m)));
       };
-      const Eigen::Vector3d moved_a = moved(a), moved_b = moved(b);
+      // What is fixed does not care where the point is on it.
+      const Eigen::Vector3d moved_a = moved(bodies_[a].fixed ? b : a);
+      const Eigen::Vector3d moved_b = moved(bodies_[b].fixed ? a : b);
       ContactPoint point;
       point.body_a = pair.first;
       point.body_b = pair.second;

@@ -60,7 +60,7 @@ struct alignas(64) SoftBatch {
   Lane friction_mass_11, friction_mass_12, friction_mass_22;  // inverse of the 2x2 matrix
   std::array<Lane, 2> friction_impulse;
   std::array<Lane, 2> friction_total;  // N s, of the step
-  Lane3 twist_a;  // I_a^-1 normal
+  Lane3 twist_a;                       // I_a^-1 normal
   Lane3 twist_b;
   Lane twist_mass;
   Lane twist_impulse;
