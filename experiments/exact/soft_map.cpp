@@ -34,6 +34,14 @@ Matrix3d inverse_inertia(const Body& body, const Quaterniond& attitude) {
   return r * body.inertia_kgm2.cwiseInverse().asDiagonal() * r.transpose();
 }
 
+// With one rounding per product and sum.
+float dot(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::fma(a.z(), b.z(), std::fma(a.y(), b.y(), a.x() * b.x()));
+}
+void add(Eigen::Vector3f& sum, const Eigen::Vector3f& direction, float scale) {
+  for (Eigen::Index k = 0; k < 3; ++k) sum[k] = std::fma(direction[k], scale, sum[k]);
+}
+
 }  // namespace
 
 SoftMap::SoftMap(const Scheme& scheme, const ExactRun& run)
@@ -140,7 +148,9 @@ void SoftMap::prepare(Row& row) const {
   };
   const float inverse_mass = row.a.inverse_mass + row.b.inverse_mass;
   row.mass = 1.0F / (inverse_mass + response(row.normal, row.normal));
-  row.tangent_1 = row.normal.unitOrthogonal();
+  Eigen::Index least = 0;
+  row.normal.cwiseAbs().minCoeff(&least);
+  row.tangent_1 = row.normal.cross(Vector::Unit(least)).normalized();
   row.tangent_2 = row.normal.cross(row.tangent_1);
   Eigen::Matrix2f k;
   k(0, 0) = inverse_mass + response(row.tangent_1, row.tangent_1);
@@ -194,21 +204,29 @@ void SoftMap::make_rows(std::span<const State> states) {
   std::ranges::stable_sort(rows_, {}, &Row::colour);
 }
 
-void SoftMap::push(const Row& row, const Vector& impulse_ns, std::vector<Twist>& twists) {
-  for (const auto& [s, sign] : {std::pair(&row.a, -1.0F), std::pair(&row.b, 1.0F)}) {
+// Single precision adds thousands of small changes, so how each is rounded is part of the scheme:
+// products and sums are contracted, impulse times inverse mass first.
+void SoftMap::push(const Row& row, const Vector& direction, float impulse_ns,
+                   std::vector<Twist>& twists) {
+  for (const auto& [s, signed_ns] :
+       {std::pair(&row.a, -impulse_ns), std::pair(&row.b, impulse_ns)}) {
     if (s->fixed) continue;
-    const Vector signed_ns = sign * impulse_ns;
-    twists[s->body].linear += s->inverse_mass * signed_ns;
-    twists[s->body].angular += s->inverse_inertia * s->lever.cross(signed_ns);
+    Twist& twist = twists[s->body];
+    add(twist.linear, direction, signed_ns * s->inverse_mass);
+    const Vector arm = s->lever.cross(direction);
+    const Eigen::Matrix3f& i = s->inverse_inertia;
+    add(twist.angular, {dot(i.row(0), arm), dot(i.row(1), arm), dot(i.row(2), arm)}, signed_ns);
   }
 }
 
-SoftMap::Vector SoftMap::slip(const Row& row, const std::vector<Twist>& twists) {
-  const auto at = [&](const Side& s) -> Vector {
-    if (s.fixed) return Vector::Zero();
-    return twists[s.body].linear + twists[s.body].angular.cross(s.lever);
+float SoftMap::slip(const Row& row, const Vector& direction, const std::vector<Twist>& twists) {
+  const auto linear = [&](const Side& s) -> Vector {
+    return s.fixed ? Vector(Vector::Zero()) : twists[s.body].linear;
   };
-  return at(row.b) - at(row.a);
+  const auto turning = [&](const Side& s) {
+    return s.fixed ? 0.0F : dot(s.lever.cross(direction), twists[s.body].angular);
+  };
+  return dot(direction, linear(row.b) - linear(row.a)) + (turning(row.b) - turning(row.a));
 }
 
 // E. Catto, Solver2D, 2024: an overlap is a damped spring in the biased sweep and rigid in the
@@ -218,7 +236,7 @@ void SoftMap::serve(Row& row, bool biased) {
   const double omega = std::min(2.0 * std::numbers::pi * soft_.frequency_hz, 1.0 / h);
   const double damping = 2.0 * soft_.damping_ratio + h * omega;
   const double forget = 1.0 / (1.0 + h * omega * damping);
-  if (!biased) row.gap_now_m = row.gap_m + row.normal.dot(slip(row, moved_));
+  if (!biased) row.gap_now_m = row.gap_m + slip(row, row.normal, moved_);
   float bias_mps = row.gap_now_m / static_cast<float>(h);
   float mass_share = 1.0F, impulse_share = 0.0F;
   if (!(row.gap_now_m > 0.0F)) {
@@ -228,21 +246,23 @@ void SoftMap::serve(Row& row, bool biased) {
     mass_share = biased ? static_cast<float>(1.0 - forget) : 1.0F;
     impulse_share = biased ? static_cast<float>(forget) : 0.0F;
   }
-  const float wanted = row.mass * mass_share * (row.normal.dot(slip(row, velocity_)) + bias_mps) +
-                       impulse_share * row.impulse_ns;
+  const float wanted = std::fma(row.mass * mass_share, slip(row, row.normal, velocity_) + bias_mps,
+                                impulse_share * row.impulse_ns);
   const float next = std::max(row.impulse_ns - wanted, 0.0F);
-  push(row, (next - row.impulse_ns) * row.normal, velocity_);
+  push(row, row.normal, next - row.impulse_ns, velocity_);
   row.impulse_ns = next;
   row.largest_ns = std::max(row.largest_ns, next);
-  const Vector rubbing = slip(row, velocity_);
-  Eigen::Vector2f friction =
-      row.friction_ns -
-      row.friction_mass * Eigen::Vector2f(row.tangent_1.dot(rubbing), row.tangent_2.dot(rubbing));
+  const float slip_1 = slip(row, row.tangent_1, velocity_);
+  const float slip_2 = slip(row, row.tangent_2, velocity_);
+  const auto& k = row.friction_mass;
+  Eigen::Vector2f friction = {row.friction_ns.x() - std::fma(k(0, 0), slip_1, k(0, 1) * slip_2),
+                              row.friction_ns.y() - std::fma(k(1, 1), slip_2, k(0, 1) * slip_1)};
   const float limit = row.friction * next;
   if (friction.norm() > limit) friction *= limit / friction.norm();
   const Eigen::Vector2f change = friction - row.friction_ns;
   row.friction_ns = friction;
-  push(row, change.x() * row.tangent_1 + change.y() * row.tangent_2, velocity_);
+  push(row, row.tangent_1, change.x(), velocity_);
+  push(row, row.tangent_2, change.y(), velocity_);
 }
 
 void SoftMap::sweep(bool biased, bool forwards) {
@@ -257,9 +277,9 @@ void SoftMap::sweep(bool biased, bool forwards) {
 void SoftMap::bounce() {
   for (Row& row : rows_) {
     if (!(row.bounce_mps > 0.0F) || !(row.largest_ns > 0.0F)) continue;
-    const float lacking = row.normal.dot(slip(row, velocity_)) - row.bounce_mps;
+    const float lacking = slip(row, row.normal, velocity_) - row.bounce_mps;
     const float next = std::max(row.impulse_ns - row.mass * lacking, 0.0F);
-    push(row, (next - row.impulse_ns) * row.normal, velocity_);
+    push(row, row.normal, next - row.impulse_ns, velocity_);
     row.impulse_ns = next;
   }
 }
@@ -302,10 +322,9 @@ bool SoftMap::advance(std::span<const Wrench> wrenches, const std::vector<PointC
   const double h = run_.step_s / soft_.substeps;
   std::vector<Twist> carried(states.size()), free(states.size());
   for (const Row& row : rows_) {
-    push(row,
-         row.impulse_ns * row.normal + row.friction_ns.x() * row.tangent_1 +
-             row.friction_ns.y() * row.tangent_2,
-         carried);
+    push(row, row.normal, row.impulse_ns, carried);
+    push(row, row.tangent_1, row.friction_ns.x(), carried);
+    push(row, row.tangent_2, row.friction_ns.y(), carried);
   }
   for (std::size_t i = 0; i < states.size(); ++i) {
     moved_[i] = {};

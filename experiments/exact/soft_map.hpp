@@ -68,8 +68,11 @@ class SoftMap {
   Side side(std::size_t body, const Eigen::Vector3d& lever_m, const State& state) const;
   void make_rows(std::span<const State> states);
   void prepare(Row& row) const;
-  static void push(const Row& row, const Vector& impulse_ns, std::vector<Twist>& twists);
-  static Vector slip(const Row& row, const std::vector<Twist>& twists);
+  // Adds what the impulse (N s) on b along the unit vector `direction`, and its reaction, change.
+  static void push(const Row& row, const Vector& direction, float impulse_ns,
+                   std::vector<Twist>& twists);
+  // Of b against a along the unit vector `direction`, at the contact.
+  static float slip(const Row& row, const Vector& direction, const std::vector<Twist>& twists);
   void serve(Row& row, bool biased);
   void sweep(bool biased, bool forwards);
   void bounce();
