@@ -353,6 +353,11 @@ std::optional<Scheme> mujoco_scheme(const Settings& settings) {
                                       // mjc_BoxBox, face contacts: the distance is halved with
                                       // the point that it belongs to, before it is stored
                                       .box_gap_share = 0.5};
+  // The map counts friction and normal as equally stiff, and knows no second solver.
+  if (knob_value(k_knobs, settings, "impratio") != 1.0 ||
+      knob_value(k_knobs, settings, "noslip_iterations") > 0.0) {
+    scheme.compliant.reset();
+  }
   scheme.friction =
       knob_value(k_knobs, settings, "cone") > 0.0 ? FrictionSet::circle : FrictionSet::inscribed;
   return scheme;

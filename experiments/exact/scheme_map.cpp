@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "experiments/exact/compliant_map.hpp"
 #include "experiments/exact/pivoting.hpp"
 #include "experiments/exact/soft_map.hpp"
 
@@ -14,25 +15,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double k_minimum_impedance = 1e-4;  // MuJoCo: mjMINIMP and mjMAXIMP
-constexpr double k_maximum_impedance = 0.9999;
-
-double impedance(const CompliantContact& c, double gap_m) {
-  const double start = std::clamp(c.impedance_start, k_minimum_impedance, k_maximum_impedance);
-  const double end = std::clamp(c.impedance_end, k_minimum_impedance, k_maximum_impedance);
-  if (start == end || c.impedance_width_m <= 0.0) return 0.5 * (start + end);
-  const double x = std::abs(gap_m) / c.impedance_width_m;
-  if (x >= 1.0) return end;
-  double y = x;
-  const double p = c.impedance_power;
-  if (p > 1.0) {
-    y = x <= c.impedance_midpoint
-            ? std::pow(x, p) / std::pow(c.impedance_midpoint, p - 1.0)
-            : 1.0 - std::pow(1.0 - x, p) / std::pow(1.0 - c.impedance_midpoint, p - 1.0);
-  }
-  return start + y * (end - start);
-}
 
 // Velocity of the material point of a body, and how an impulse there changes it.
 struct Arm {
@@ -340,14 +322,7 @@ double target_velocity_mps(const ImpulseContact& contact, double restitution, do
 double compliant_acceleration_mps2(const CompliantContact& contact, double gap_m,
                                    double velocity_mps, double free_acceleration_mps2, int points,
                                    double step_s) {
-  const double time = contact.time_constant_at_least_two_steps
-                          ? std::max(contact.time_constant_s, 2.0 * step_s)
-                          : contact.time_constant_s;
-  const double d_end = std::clamp(contact.impedance_end, k_minimum_impedance, k_maximum_impedance);
-  const double stiffness =
-      1.0 / (d_end * d_end * time * time * contact.damping_ratio * contact.damping_ratio);
-  const double damping = 2.0 / (d_end * time);
-  const double d = impedance(contact, gap_m);
+  const auto [d, stiffness, damping] = compliant_law(contact, gap_m, step_s);
   const double reference = -damping * velocity_mps - stiffness * d * gap_m;
   if (reference <= free_acceleration_mps2) return free_acceleration_mps2;
   const double weight = points * d;
@@ -369,8 +344,7 @@ bool advance(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> 
     return advance_compliant(scheme, run, wrenches, contacts[0], states, why);
   }
   if (run.geometry) {
-    why = "a compliant contact with a lever is not predicted";
-    return false;
+    return advance_compliant_bodies(scheme, run, wrenches, states, why);
   }
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (run.world.bodies[i].fixed) continue;
