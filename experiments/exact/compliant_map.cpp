@@ -157,6 +157,46 @@ Row make_row(const Scheme& scheme, const ExactRun& run, const PointContact& cont
   return row;
 }
 
+// The face of a box that lies on a larger one.
+bool is_face(const ExactRun& run, const PointContact& contact) {
+  return contact.boxes && contact.central && contact.points == 4 &&
+         std::holds_alternative<BoxShape>(run.world.bodies[contact.body_b].shape);
+}
+
+// Contacts of the states that act. Friction tilts a face, and each corner has a gap of its own: the
+// four corners of b that are the lowest along the normal.
+std::vector<PointContact> acting(const ExactRun& run, std::span<const State> states) {
+  std::vector<PointContact> found, split;
+  run.geometry(states, found);
+  for (const PointContact& contact : found) {
+    const bool rubs = contact_law(run.world, contact.body_a, contact.body_b).friction > 0.0;
+    if (!rubs || !is_face(run, contact)) {
+      split.push_back(contact);
+      continue;
+    }
+    const State& b = states[contact.body_b];
+    const auto& box = std::get<BoxShape>(run.world.bodies[contact.body_b].shape);
+    const Vector3d down = b.orientation.conjugate() * -contact.normal;
+    const Vector3d on_a = contact.position_m - contact.gap_m * contact.normal;
+    Eigen::Index axis = 0;
+    down.cwiseAbs().maxCoeff(&axis);
+    for (int corner = 0; corner < 4; ++corner) {
+      Vector3d local = box.half_extents_m;
+      local[axis] *= down[axis] < 0.0 ? -1.0 : 1.0;
+      local[(axis + 1) % 3] *= corner % 2 == 0 ? 1.0 : -1.0;
+      local[(axis + 2) % 3] *= corner / 2 == 0 ? 1.0 : -1.0;
+      PointContact point = contact;
+      point.points = 1;
+      point.central = false;
+      point.position_m = b.position_m + b.orientation * local;
+      point.gap_m = contact.normal.dot(point.position_m - on_a);
+      split.push_back(point);
+    }
+  }
+  std::erase_if(split, [](const PointContact& c) { return c.gap_m >= 0.0; });
+  return split;
+}
+
 // Accelerations (bodies) of the given states under the wrenches, gravity and contacts.
 Motions accelerations(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                       std::span<const State> states, const Motions& velocities) {
@@ -174,13 +214,9 @@ Motions accelerations(const Scheme& scheme, const ExactRun& run, std::span<const
     problem.mass.segment<6>(6 * static_cast<Eigen::Index>(i)) << Vector3d::Constant(body.mass_kg),
         body.inertia_kgm2;
   }
-  std::vector<PointContact> contacts;
-  run.geometry(states, contacts);
   const VectorXd velocity = stacked(velocities);
-  for (const PointContact& contact : contacts) {
-    if (contact.gap_m < 0.0) {
-      problem.rows.push_back(make_row(scheme, run, contact, states, velocity));
-    }
+  for (const PointContact& contact : acting(run, states)) {
+    problem.rows.push_back(make_row(scheme, run, contact, states, velocity));
   }
   if (problem.rows.empty()) return result;
   problem.free = stacked(result);
@@ -222,7 +258,7 @@ bool is_stated(const Scheme& scheme, const ExactRun& run, const std::vector<Poin
       why = "a compliant contact has no coefficient of restitution";
       return false;
     }
-    if (law.friction > 0.0 && contact.points > 1) {
+    if (law.friction > 0.0 && contact.points > 1 && !is_face(run, contact)) {
       why = "friction at a compliant contact of several points is not predicted";
       return false;
     }

@@ -268,10 +268,6 @@ bool advance_compliant(const Scheme& scheme, const ExactRun& run, std::span<cons
     why = "a compliant contact has no coefficient of restitution";
     return false;
   }
-  if (law.friction > 0.0) {
-    why = "friction at a compliant contact is not predicted";
-    return false;
-  }
   const Vector3d free = run.world.gravity_mps2 + wrenches[i].force_n / body.mass_kg;
   const double h = run.step_s;
   const Vector3d& n = contact.normal;
@@ -340,7 +336,8 @@ bool advance(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> 
     why = "the scheme states no contact map";
     return false;
   }
-  if (run.geometry && contacts.size() == 1 && contacts[0].central) {
+  if (run.geometry && contacts.size() == 1 && contacts[0].central &&
+      contact_law(run.world, contacts[0].body_a, contacts[0].body_b).friction == 0.0) {
     return advance_compliant(scheme, run, wrenches, contacts[0], states, why);
   }
   if (run.geometry) {

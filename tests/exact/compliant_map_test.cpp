@@ -112,6 +112,25 @@ TEST(CompliantMap, SlidesUnderCoulombsLaw) {
   EXPECT_TRUE(worst.within(k_step));
 }
 
+// All corners of a face slip alike in their first step, so the whole brick obeys the same law.
+TEST(CompliantMap, RubsAFaceAtItsFourCorners) {
+  const double mu = 0.3, h = 0.001, half = 0.03125;
+  const Scheme scheme = compliant_scheme(PositionRule::new_velocity);
+  ExactRun run = ball_on_ground(mu, {}, false);
+  const State start = at({0.0, 0.0, half - 1e-5}, {2.0, -1.0, -0.1});
+  run.world.bodies = {floor_slab(), box("brick", {0.5, 0.5, half}, k_mass_kg, start)};
+  run.geometry = flat_contact(0, 1, half);
+  const State end = after(scheme, run, 1);
+  const double up = end.velocity_mps.z() + 0.1 + h * k_gravity_mps2;
+  const Vector3d along = Vector3d(2.0, -1.0, 0.0).normalized();
+  Worst worst;
+  worst.see((end.velocity_mps.head<2>() - (start.velocity_mps - mu * up * along).head<2>()).norm(),
+            "velocity");
+  EXPECT_GT(up, 0.05);
+  EXPECT_LT(end.angular_velocity_radps.cross(along).z(), 0.0) << "the front corners carry more";
+  EXPECT_TRUE(worst.within(k_step));
+}
+
 // Rolling steadily, the slip s carries the friction F = m g sin/(1 + m l^2/I): damping s = F/w.
 TEST(CompliantMap, CreepsAsItsRegularisationSays) {
   for (const FrictionSet set : {FrictionSet::circle, FrictionSet::inscribed}) {
