@@ -1,6 +1,8 @@
 // What is peculiar to MuJoCo: what it refuses, how it says that a step failed, pairs of surfaces.
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 
@@ -141,6 +143,45 @@ TEST(Mujoco, CountsHalfTheDepthBetweenBoxes) {
       EXPECT_NEAR(contact.gap_m, plane ? -depth_m : -0.5 * depth_m, 1e-12);
     }
   }
+}
+
+// Steps in which a brick that slides at `heading_rad` touches with a corner's whole gap. Crossed
+// edges count all of it, faces half.
+int steps_with_whole_gaps(double heading_rad) {
+  const BoxShape flat{{0.5, 0.5, 0.03125}};
+  State start = at(0, 0, flat.half_extents_m.z());
+  start.velocity_mps = 2.0 * Eigen::Vector3d(std::cos(heading_rad), std::sin(heading_rad), 0.0);
+  World world;
+  world.law.friction = 0.5;
+  world.bodies = {fixed_body("floor", BoxShape{{10.0, 10.0, 0.5}}, at(0, 0, -0.5)),
+                  solid_body("brick", flat, 64.0, start)};
+  Settings settings;
+  settings.step_s = 0.001;
+  const auto simulation = make(mujoco_adapter(), world, settings);
+  std::vector<State> states(2);
+  std::vector<Contact> contacts;
+  int whole = 0;
+  for (int step = 0; simulation != nullptr && step < 600; ++step) {
+    simulation->read(states);
+    const State& b = states[1];
+    if (!simulation->step()) return -1;
+    simulation->contact_view()->contacts(contacts);
+    whole += std::ranges::any_of(contacts, [&](const Contact& contact) {
+      const Eigen::Vector3d normal = b.orientation * Eigen::Vector3d::UnitZ();
+      const Eigen::Vector3d away =
+          contact.position_m - b.position_m + flat.half_extents_m.z() * normal;
+      const double gap_m = contact.position_m.z() - away.dot(normal) / normal.z();
+      return gap_m < 0.0 && contact.gap_m < 0.99 * gap_m;
+    });
+  }
+  return whole;
+}
+
+// Why some slides have no closed map: tilted about one axis alone, a brick's face and a pair of
+// crossed edges overlap alike, and rounding chooses.
+TEST(Mujoco, LetsTheLastBitChooseHowABrickRubs) {
+  EXPECT_GT(steps_with_whole_gaps(0.0), 20);
+  EXPECT_EQ(steps_with_whole_gaps(0.5235987755982988), 0);
 }
 
 TEST(Mujoco, DoesNotTellContactForcesOfARungeKuttaStep) {
