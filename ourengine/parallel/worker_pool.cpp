@@ -6,8 +6,10 @@ namespace ourengine {
 namespace {
 
 constexpr std::uint64_t k_pieces_mask = 0xffffffffU;
-// Looks before a thread goes to sleep: loops follow each other within microseconds.
-constexpr int k_spins = 2000;
+// Looks before a thread goes to sleep: loops follow each other within microseconds. Every so many
+// looks it lets others run: whom it waits for may have been put on the same processor.
+constexpr int k_spins = 4000;
+constexpr int k_spins_per_yield = 100;
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -20,6 +22,7 @@ template <typename Word>
 void await_change(std::atomic<Word>& word, Word old) {
   for (int i = 0; i < k_spins; ++i) {
     if (word.load(std::memory_order_acquire) != old) return;
+    if (i % k_spins_per_yield == k_spins_per_yield - 1) std::this_thread::yield();
     relax();
   }
   word.wait(old, std::memory_order_acquire);
