@@ -72,10 +72,12 @@ def record_benchmarks(raw, doctor):
 
 
 def busy_s():
-    """CPU time that all programs of the machine have taken since it started."""
+    """CPU time that all programs of the machine have taken since it started, and the time that a
+    virtual machine wanted to run but its host did not let it."""
     with open("/proc/stat", encoding="ascii") as file:
-        user, nice, system, _, _, irq, softirq, *_ = map(int, file.readline().split()[1:])
-    return (user + nice + system + irq + softirq) / os.sysconf("SC_CLK_TCK")
+        user, nice, system, _, _, irq, softirq, stolen, *_ = map(int, file.readline().split()[1:])
+    tick_s = 1 / os.sysconf("SC_CLK_TCK")
+    return (user + nice + system + irq + softirq) * tick_s, stolen * tick_s
 
 
 def measure(path, load, program, words):
@@ -87,14 +89,15 @@ def measure(path, load, program, words):
             commands.append([])
         else:
             commands[-1].append(word)
-    start, busy, own = time.monotonic(), busy_s(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    start, (busy, stolen), own = time.monotonic(), busy_s(), resource.getrusage(resource.RUSAGE_CHILDREN)
     outputs = []
     for command in commands:
         run = subprocess.run(command, stdout=subprocess.PIPE, check=False)
         if run.returncode not in (0, 1):  # 1: some cell has no result, and says so in its entry
             die(f"{' '.join(command)} failed with {run.returncode}")
         outputs.append(json.loads(run.stdout))
-    wall_s, busy, after = time.monotonic() - start, busy_s() - busy, resource.getrusage(resource.RUSAGE_CHILDREN)
+    wall_s, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    busy, stolen = (now - then for now, then in zip(busy_s(), (busy, stolen)))
     if "benchmarks" in outputs[0]:
         kept = record_benchmarks(outputs[0], json.loads(subprocess.check_output([program, "doctor", "--json"])))
     else:
@@ -108,6 +111,7 @@ def measure(path, load, program, words):
     kept["provenance"]["load_before"] = float(load)
     own_s = after.ru_utime + after.ru_stime - own.ru_utime - own.ru_stime
     kept["provenance"]["cores_busy_with_others"] = round(max(0.0, busy - own_s) / wall_s, 2)
+    kept["provenance"]["cores_withheld_by_host"] = round(stolen / wall_s, 2)
     with open(path + ".new", "w", encoding="utf-8") as file:
         json.dump(kept, file, indent=1)
         file.write("\n")
@@ -346,6 +350,8 @@ def origin(provenance):
     load = provenance.get("load_before")
     before = "" if load is None else (f", load {load:g} before the start, "
                                       f"{provenance['cores_busy_with_others']:g} cores busy with others meanwhile")
+    if provenance.get("cores_withheld_by_host"):
+        before += f", {provenance['cores_withheld_by_host']:g} cores withheld by the host"
     return (f"{machine['cpu']}, {machine['cores']} cores{before}, revision {machine['revision']}, "
             f"{provenance['date_utc']}.")
 
