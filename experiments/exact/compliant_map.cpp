@@ -84,6 +84,7 @@ VectorXd gradient(FrictionSet set, const Problem& problem, const VectorXd& a) {
 VectorXd solve(FrictionSet set, const Problem& problem) {
   constexpr int k_most_steps = 200;
   constexpr int k_halvings = 60;
+  constexpr double k_decrement = 1e-28;
   VectorXd a = problem.free;
   for (int step = 0; step < k_most_steps; ++step) {
     const VectorXd g = gradient(set, problem, a);
@@ -96,14 +97,17 @@ VectorXd solve(FrictionSet set, const Problem& problem) {
     const auto slope = [&](double t) { return move.dot(gradient(set, problem, a + t * move)); };
     double low = 0.0, high = 1.0;
     while (slope(high) < 0.0 && high < 1e6) high *= 2.0;
-    // The full step ends a problem that is quadratic around its solution.
-    const bool full = std::abs(slope(1.0)) <= 1e-12 * std::abs(slope(0.0));
+    // Near the solution the problem is all but quadratic, and the full step the best one.
+    const bool full = std::abs(slope(1.0)) <= 0.1 * std::abs(g.dot(move));
     for (int i = 0; !full && i < k_halvings; ++i) {
       const double middle = 0.5 * (low + high);
       (slope(middle) < 0.0 ? low : high) = middle;
     }
     a += (full ? 1.0 : 0.5 * (low + high)) * move;
-    if (move.norm() <= 1e-15 * (1.0 + a.norm())) break;
+    // The decrement is the squared distance left, which this step squares once more.
+    if (-g.dot(move) <= k_decrement * problem.mass.dot(a.cwiseAbs2() + problem.free.cwiseAbs2())) {
+      break;
+    }
   }
   return a;
 }

@@ -143,7 +143,7 @@ class Recorder {
 std::vector<double> measured_trajectory(const ExactRun& run, std::size_t observables);
 
 // What an engine that follows the scheme must measure, in exact arithmetic; nullopt where the
-// scheme does not determine it (friction at a compliant contact, several contacts at a time, none
+// scheme does not determine it (turning implicitly on a compliant contact, several contacts, none
 // stated). `why` receives the reason for a nullopt if given.
 std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, const ExactRun& run,
                                                   const Scheme& scheme, std::string* why = nullptr);
