@@ -119,15 +119,28 @@ std::vector<AuditFact> asked_of_ourengine(const World&, const Settings& settings
   return facts;
 }
 
-// The paper's system; its contacts are solved for accelerations and hit one by one: no map of
-// Scheme.
-Scheme baraff_scheme() {
+// The paper's system as ourengine/baraff/simulator.hpp states it; steps that bisection cuts at the
+// time of contact have no map in Scheme.
+Scheme baraff_scheme(const Settings& settings) {
+  const auto value = [&](std::string_view name) {
+    const auto row = std::ranges::find_if(
+        k_baraff_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
+    return knob_or(settings, name, settings.variant == "paper" ? row->library : row->tuned);
+  };
   Scheme scheme;
   scheme.source =
       "Darji & Alur, Explosion Simulator, \"Rigid body physics\"; Baraff, Rigid Body Simulation I";
   scheme.position = PositionRule::old_velocity;
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::normalised_euler;
+  if (value("max_bisections") > 0.0) return scheme;
+  scheme.sequential =
+      SequentialContact{.margin_m = value("contact_tolerance_m"),
+                        .collision_velocity_mps = value("collision_velocity_mps"),
+                        .most_sweeps = static_cast<int>(value("max_collision_sweeps")),
+                        .velocity_share = value("velocity_share"),
+                        .overlap_share = value("overlap_share"),
+                        .overlap_slop_m = value("overlap_slop_m")};
   return scheme;
 }
 
@@ -177,7 +190,7 @@ Scheme fast_scheme(const Settings& settings) {
 
 std::optional<Scheme> ourengine_scheme(const Settings& settings) {
   const std::string& variant = settings.variant;
-  if (variant == "baraff" || variant == "paper") return baraff_scheme();
+  if (variant == "baraff" || variant == "paper") return baraff_scheme(settings);
   if (variant == "exact" || variant == "lcp") return velocity_scheme(settings);
   return fast_scheme(settings);
 }

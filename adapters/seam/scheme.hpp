@@ -93,6 +93,20 @@ struct SoftContact {
   double same_point_share = 0.0;  // of the thinner body
 };
 
+// Contact in two stages, at the pose of the step's start: points that approach fast are hit one
+// after the other, in the order of the list, sweep after sweep until none does, with Newton's
+// restitution; those that do not separate then get the forces that keep all gaps from closing, at
+// the level of accelerations. Frictionless. D. Baraff, Rigid Body Simulation II, sections 7 to 9.
+struct SequentialContact {
+  double margin_m = 0.0;                // a contact exists where gap <= margin
+  double collision_velocity_mps = 0.0;  // a slower approach is resting contact
+  int most_sweeps = 0;
+  double velocity_share = 0.0;  // of a resting contact's normal velocity, undone within the step
+  // Overlaps beyond the slop: this share is undone first, by the smallest moves, momenta held.
+  double overlap_share = 0.0;
+  double overlap_slop_m = 0.0;
+};
+
 // The set of friction forces that a contact of normal force N admits.
 enum class FrictionSet {
   circle,     // |f| <= mu N, opposite to the slip
@@ -106,10 +120,11 @@ struct Scheme {
   GyroscopicRule gyroscopic = GyroscopicRule::neglected;
   AttitudeRule attitude = AttitudeRule::exponential;
   double order = 1.0;  // promised order of convergence of smooth motion
-  // At most one of the three; none: the engine's contact has no map that is predicted here.
+  // At most one of the four; none: the engine's contact has no map that is predicted here.
   std::optional<ImpulseContact> impulse;
   std::optional<CompliantContact> compliant;
   std::optional<SoftContact> soft;
+  std::optional<SequentialContact> sequential;
   FrictionSet friction = FrictionSet::circle;
 };
 

@@ -8,6 +8,7 @@
 
 #include "experiments/exact/compliant_map.hpp"
 #include "experiments/exact/pivoting.hpp"
+#include "experiments/exact/sequential_map.hpp"
 #include "experiments/exact/soft_map.hpp"
 
 namespace brickbench::exact {
@@ -331,6 +332,9 @@ bool advance(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> 
   if (run.geometry) run.geometry(states, contacts);
   if (run.geometry && scheme.impulse) {
     return advance_impulse(scheme, run, wrenches, contacts, states, why);
+  }
+  if (run.geometry && scheme.sequential) {
+    return advance_sequential(scheme, run, wrenches, states, why);
   }
   if (run.geometry && !scheme.compliant) {
     why = "the scheme states no contact map";
