@@ -1,33 +1,41 @@
 #!/usr/bin/env bash
-# splice-scatter.sh RESULTS: puts the spread of the perturbed walls of RESULTS/rows.csv between the
-# markers of docs/wall.md: per engine the runs, the final energy and the bricks displaced.
-# splice-scatter.sh --measure [PROGRAM]: runs experiments/plans/wall_scatter.toml first and keeps its rows in
-# reports/published/wall_scatter. PROGRAM: default build/release/brickbench. Five to ten minutes on two idle
+# splice-scatter.sh: puts the spread of perturbed walls between the markers of docs/wall.md: `scatter` from
+# reports/published/wall_scatter (final energy and bricks displaced per engine), `hits` from
+# reports/published/hit_scatter (bricks moved per step, engine and iterations).
+# splice-scatter.sh --measure [PROGRAM [PLAN...]]: runs the plans wall_scatter and hit_scatter, or those named, first
+# and keeps their rows there. PROGRAM: default build/release/brickbench. A quarter of an hour on two idle
 # cores; results do not depend on the load.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 source scripts/splice.sh
 
-results=${1:?usage: scripts/splice-scatter.sh RESULTS-FOLDER or --measure [PROGRAM]}
-if [ "$results" = --measure ]; then
+if [ "${1:-}" = --measure ]; then
   program=${2:-build/release/brickbench}
-  results=reports/published/wall_scatter
-  work=$(mktemp -d "${TMPDIR:-/tmp}/wall-scatter.XXXXXX")
+  plans=("${@:3}")
+  if [ ${#plans[@]} -eq 0 ]; then plans=(wall_scatter hit_scatter); fi
+  work=$(mktemp -d "${TMPDIR:-/tmp}/scatter.XXXXXX")
   trap 'rm -rf "$work"' EXIT
-  "$program" sweep run experiments/plans/wall_scatter.toml --out "$work/cells"
-  "$program" sweep merge "$work/cells" --out "$work/merged"
-  for file in rows.csv plan.toml provenance.json; do
-    [ -r "$work/merged/$file" ] || die "the merged sweep has no $file"
-    # Folders of whoever ran it are nobody's business.
-    sed "s|$work/||g; s|\"command\": \"[^ ]*|\"command\": \"brickbench|" "$work/merged/$file" >"$results/$file"
+  for plan in "${plans[@]}"; do
+    "$program" sweep run "experiments/plans/$plan.toml" --out "$work/$plan-cells"
+    "$program" sweep merge "$work/$plan-cells" --out "$work/$plan"
+    mkdir -p "reports/published/$plan"
+    for file in rows.csv plan.toml provenance.json; do
+      [ -r "$work/$plan/$file" ] || die "the merged sweep has no $file"
+      # Folders of whoever ran it are nobody's business.
+      sed "s|$work/||g; s|\"command\": \"[^ ]*|\"command\": \"brickbench|" "$work/$plan/$file" \
+        >"reports/published/$plan/$file"
+    done
   done
+elif [ $# -ne 0 ]; then
+  die "usage: scripts/splice-scatter.sh [--measure [PROGRAM [PLAN...]]]"
 fi
-rows=$results/rows.csv
 page=docs/wall.md
-if [ ! -r "$rows" ]; then die "there is no $rows"; fi
 need_markers $page scatter
+need_markers $page hits
 
+rows=reports/published/wall_scatter/rows.csv
+if [ ! -r "$rows" ]; then die "there is no $rows"; fi
 table=$(awk -F, '
   { gsub(/"[^"]*"/, "quoted") }
   NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
@@ -64,4 +72,41 @@ table=$(awk -F, '
   }' "$rows") || die "$rows has no perturbed runs"
 
 put $page scatter <<<"$table"
-echo "splice-scatter: $page has the numbers of $rows"
+
+rows=reports/published/hit_scatter/rows.csv
+if [ ! -r "$rows" ]; then die "there is no $rows"; fi
+table=$(awk -F, '
+  { gsub(/"[^"]*"/, "quoted") }
+  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+  $column["outcome"] != "ok" { ++failed; next }
+  {
+    engine = $column["engine"] "/" $column["variant"]
+    if (match($column["axes"], /knob\.iterations=[0-9]+/)) {
+      engine = engine ", " substr($column["axes"], RSTART + 16, RLENGTH - 16) " iterations"
+    }
+    who = $column["step_s"] SUBSEP engine
+    if (!(who in seen)) { seen[who] = 1; order[++rows] = who }
+    value = $column["value"] + 0
+    if ($column["metric"] == "bricks_displaced") moved[who, ++runs[who]] = value
+    if ($column["metric"] == "penetration_max_m" && value > deepest[who]) deepest[who] = value
+  }
+  END {
+    if (!rows) exit 1
+    print "| step | engine | runs | bricks moved: median | least .. most | deepest overlap, mm |"
+    print "|---|---|---:|---:|---:|---:|"
+    for (r = 1; r <= rows; ++r) {
+      who = order[r]; n = runs[who]
+      for (i = 2; i <= n; ++i) {
+        for (j = i; j > 1 && moved[who, j - 1] > moved[who, j]; --j) {
+          swap = moved[who, j]; moved[who, j] = moved[who, j - 1]; moved[who, j - 1] = swap
+        }
+      }
+      median = (moved[who, int((n + 1) / 2)] + moved[who, int(n / 2) + 1]) / 2
+      split(who, part, SUBSEP)
+      printf "| 1/%.0f s | %s | %d | %g | %d .. %d | %.2g |\n", 1 / part[1], part[2], n, median,
+             moved[who, 1], moved[who, n], 1e3 * deepest[who]
+    }
+    if (failed) printf "\n%d rows of runs that failed are left out.\n", failed
+  }' "$rows") || die "$rows has no perturbed runs"
+put $page hits <<<"$table"
+echo "splice-scatter: $page has the numbers of reports/published/{wall_scatter,hit_scatter}"
