@@ -31,7 +31,7 @@ int report(const ReportVerbOptions& options) {
     judge(how.ensembles.back());
   }
   const auto files = report_files(*sources, page_assets(), how);
-  const std::vector<Figure> figures = report_figures(*sources);
+  const std::vector<Figure> figures = report_figures(*sources, how);
   const auto written = write_report(options.out, files, figures, !options.no_pdf);
   if (!written) return complain(written.error());
   if (!page_assets().missing.empty()) {

@@ -302,6 +302,13 @@ std::vector<Figure> fan_figures(const Ensembles& ensembles, Palette& palette,
   return figures;
 }
 
+std::vector<Figure> ensemble_figures(const Ensembles& ensembles, Palette& palette,
+                                     const std::string& prefix) {
+  std::vector<Figure> figures = distribution_figures(ensembles, palette, prefix);
+  std::ranges::move(fan_figures(ensembles, palette, prefix), std::back_inserter(figures));
+  return figures;
+}
+
 std::string ensemble_verdicts_csv(const Ensembles& ensembles) {
   std::string out =
       "scene,subject,judged,reference,number,unit,better,mean,reference_mean,difference,low,high,"
@@ -385,12 +392,9 @@ std::vector<OutputFile> ensemble_files(const Ensembles& ensembles, Palette& pale
   std::vector<OutputFile> files = {
       {"figures/" + prefix + "ensemble_verdicts.csv", ensemble_verdicts_csv(ensembles)},
       {"figures/" + prefix + "ensemble_values.csv", ensemble_values_csv(ensembles)}};
-  for (const auto& figures : {distribution_figures(ensembles, palette, prefix),
-                              fan_figures(ensembles, palette, prefix)}) {
-    for (const Figure& figure : figures) {
-      files.push_back({"figures/" + figure.id + ".svg", to_svg(figure, true)});
-      files.push_back({"figures/" + figure.id + ".csv", to_csv(figure)});
-    }
+  for (const Figure& figure : ensemble_figures(ensembles, palette, prefix)) {
+    files.push_back({"figures/" + figure.id + ".svg", to_svg(figure, true)});
+    files.push_back({"figures/" + figure.id + ".csv", to_csv(figure)});
   }
   return files;
 }

@@ -28,6 +28,10 @@ std::vector<Figure> distribution_figures(const Ensembles& ensembles, Palette& pa
 std::vector<Figure> fan_figures(const Ensembles& ensembles, Palette& palette,
                                 const std::string& prefix);
 
+// Both.
+std::vector<Figure> ensemble_figures(const Ensembles& ensembles, Palette& palette,
+                                     const std::string& prefix);
+
 // One line per pair: means, difference, interval, margin, p, runs and verdict.
 std::string ensemble_verdicts_csv(const Ensembles& ensembles);
 // One line per value: what the verdicts and the figures rest on.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "experiments/record/schema.hpp"
@@ -30,6 +31,14 @@ std::string gnuplot_text(const std::string& text) {
       out += c == '\'' ? std::string("''") : std::string(1, c);
   }
   return out + '\'';
+}
+
+// " dashtype (7,3)"; "" for a solid line.
+std::string gnuplot_dash(std::size_t colour) {
+  std::string dash = palette_dash(colour);
+  if (dash.empty()) return "";
+  std::ranges::replace(dash, ' ', ',');
+  return " dashtype (" + dash + ')';
 }
 
 nlohmann::ordered_json rounded(const std::vector<double>& values) {
@@ -105,10 +114,22 @@ std::string to_gnuplot(const Figure& figure, const std::string& data, const std:
   std::size_t first = 1;  // line of the file, after the header
   for (const Curve& curve : figure.curves) {
     if (curve.x.empty()) continue;
+    const std::string rows =
+        fmt::format("{} every ::{}::{}", gnuplot_text(data), first, first + curve.x.size() - 1);
+    const std::string colour = palette_colour(curve.colour);
+    plots += plots.empty() ? "plot " : ", \\\n  ";
+    if (!curve.low.empty()) {
+      plots += fmt::format(
+          "{} using 2:4:5 with filledcurves fillcolor rgb '{}' fillstyle transparent solid 0.15 "
+          "noborder notitle, \\\n  ",
+          rows, colour);
+    }
+    std::string look = fmt::format("{} linecolor rgb '{}'", style, colour);
+    if (figure.lines) look += gnuplot_dash(curve.colour);
+    if (figure.markers || !figure.lines)
+      look += fmt::format(" pointtype {}", 4 + curve.colour % 10);
     plots += fmt::format(
-        "{}{} every ::{}::{} using 2:3 with {} linecolor rgb '{}' pointtype {} title {}",
-        plots.empty() ? "plot " : ", \\\n  ", gnuplot_text(data), first, first + curve.x.size() - 1,
-        style, palette_colour(curve.colour), 4 + curve.colour % 10,
+        "{} using 2:3 with {} title {}", rows, look,
         gnuplot_text(curve.note.empty() ? curve.label : curve.label + ", " + curve.note));
     first += curve.x.size();
   }

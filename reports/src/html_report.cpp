@@ -277,12 +277,18 @@ std::string page(const std::string& title, const std::string& body, const std::s
   return out + "</body></html>\n";
 }
 
-std::vector<Figure> report_figures(std::span<const ReportSource> sources) {
+std::vector<Figure> report_figures(std::span<const ReportSource> sources,
+                                   const ReportOptions& options) {
   Palette palette;
   for (const ReportSource& source : sources) learn_labels(source, palette);
   std::vector<Figure> all;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const SourceFigures figures = figures_of(sources[i], prefix_of(i, sources.size()), palette);
+    const std::string prefix = prefix_of(i, sources.size());
+    const SourceFigures figures = figures_of(sources[i], prefix, palette);
+    if (i < options.ensembles.size()) {
+      std::ranges::move(ensemble_figures(options.ensembles[i], palette, prefix),
+                        std::back_inserter(all));
+    }
     for (const auto* list : {&figures.time, &figures.step, &figures.cost}) {
       all.insert(all.end(), list->begin(), list->end());
     }

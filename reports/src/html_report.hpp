@@ -29,7 +29,8 @@ std::vector<OutputFile> report_files(std::span<const ReportSource> sources,
                                      const PageAssets& assets, const ReportOptions& options = {});
 
 // All figures of all sources, as report_files() draws them.
-std::vector<Figure> report_figures(std::span<const ReportSource> sources);
+std::vector<Figure> report_figures(std::span<const ReportSource> sources,
+                                   const ReportOptions& options = {});
 
 // Pages share their frame: head, style, script and data around a body of HTML.
 std::string page(const std::string& title, const std::string& body, const std::string& data_json,

@@ -10,6 +10,7 @@
 
 #include "experiments/record/file.hpp"
 #include "reports/src/ensemble_report.hpp"
+#include "reports/src/html_report.hpp"
 
 namespace brickbench::testing {
 namespace {
@@ -188,6 +189,29 @@ TEST(Ensembles, GoldenBytes) {
     if (!expected || *expected != file.content) wrong += file.name + ' ';
   }
   EXPECT_EQ(wrong, "");
+}
+
+TEST(Ensembles, EveryDrawnFigureCanBecomeAPdf) {
+  const std::vector<ReportSource> sources = {source({{"ant", 0.0}, {"bee", 1.0}}, "friction=0.5")};
+  ReportOptions options;
+  options.ensembles.push_back(ensembles_within(sources.front(), ""));
+  pretend(options.ensembles.front());
+  std::vector<std::string> drawn, figures;
+  for (const OutputFile& file : report_files(sources, PageAssets{}, options)) {
+    const fs::path name = file.name;
+    if (name.extension() == ".svg") drawn.push_back(name.stem());
+  }
+  std::size_t bands = 0;
+  for (const Figure& figure : report_figures(sources, options)) {
+    figures.push_back(figure.id);
+    const std::string script = to_gnuplot(figure, "data.csv", "out.pdf");
+    for (std::size_t at = 0; (at = script.find("with filledcurves", at)) != std::string::npos; ++at)
+      ++bands;
+  }
+  std::ranges::sort(drawn);
+  std::ranges::sort(figures);
+  EXPECT_EQ(drawn, figures);
+  EXPECT_EQ(bands, 4u);  // of the fan: two engines, each 5 to 95 % and the middle half
 }
 
 TEST(Ensembles, InputIsEscaped) {
