@@ -257,10 +257,14 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
       "Coumans, Bullet 3.24: btRigidBody::predictIntegratedTransform, computeGyroscopicImpulse*, "
       "btSequentialImpulseConstraintSolver::setupContactConstraint";
   scheme.gyroscopic = gyroscopic[flag];
-  // A larger threshold is cut by the breaking threshold of the shapes at hand: not one number.
   const double margin_m = value("contact_processing_threshold_m");
-  if (margin_m > 1e-6) return scheme;
+  // A larger threshold is cut by the breaking threshold of the shapes at hand
+  // (btCollisionShape::getContactBreakingThreshold), up to which planes look
+  // (btConvexPlaneCollisionAlgorithm); two balls or boxes are seen when they touch.
+  const double reach_share =
+      margin_m > 1e-6 ? gContactBreakingThreshold : std::numeric_limits<double>::infinity();
   scheme.impulse = {.margin_m = margin_m,
+                    .plane_reach_share = reach_share,
                     .approach_allowed = true,
                     .restitution_threshold_mps = value("restitution_threshold_mps"),
                     .sum_of_targets = true,

@@ -41,7 +41,10 @@ enum class AttitudeRule {
 // Contact as an impulse on the velocity: for a normal gap g_n and normal velocity v (positive when
 // separating), the impulse, never negative, makes the velocity after the step at least the target.
 struct ImpulseContact {
-  double margin_m = 0.0;          // a contact exists where gap <= margin at the start of the step
+  double margin_m = 0.0;  // a contact exists where gap <= margin at the start of the step
+  // Where collision detection looks less far than that: between a plane and a body up to this share
+  // of half the diagonal of the body's bounding box, one corner at a time; else at touch alone.
+  double plane_reach_share = std::numeric_limits<double>::infinity();
   bool approach_allowed = false;  // an open gap lowers the target by gap / h
   // An open gap that closes within the step at the approach speed bounces already; the target is
   // then the larger of rebound and approach.

@@ -88,6 +88,20 @@ void push_pair(const Row& row, const Vector3d& impulse, std::span<State> states)
   push(row.b, impulse, states[row.contact->body_b]);
 }
 
+// The gap up to which a contact has a row.
+double margin_m(const ImpulseContact& law, const World& world, const PointContact& contact) {
+  if (std::isinf(law.plane_reach_share)) return law.margin_m;
+  const Shape& a = world.bodies[contact.body_a].shape;
+  const Shape& b = world.bodies[contact.body_b].shape;
+  const bool plane = std::holds_alternative<PlaneShape>(a) || std::holds_alternative<PlaneShape>(b);
+  if (!plane) return std::min(law.margin_m, 0.0);
+  const Shape& body = std::holds_alternative<PlaneShape>(a) ? b : a;
+  const Vector3d half_m = std::holds_alternative<SphereShape>(body)
+                              ? Vector3d(Vector3d::Constant(std::get<SphereShape>(body).radius_m))
+                              : std::get<BoxShape>(body).half_extents_m;
+  return std::min(law.margin_m, law.plane_reach_share * half_m.norm());
+}
+
 std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
                              const std::vector<PointContact>& contacts,
                              std::span<const State> before) {
@@ -97,7 +111,7 @@ std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
       law_of_step.restitution_threshold_steps * run.step_s * run.world.gravity_mps2.norm());
   std::vector<Row> rows;
   for (const PointContact& contact : contacts) {
-    if (contact.gap_m > scheme.impulse->margin_m) continue;
+    if (contact.gap_m > margin_m(*scheme.impulse, run.world, contact)) continue;
     Row row;
     row.contact = &contact;
     row.a = arm_of(run.world, contact.body_a, before[contact.body_a], contact);
@@ -216,6 +230,14 @@ bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const 
     } else {
       states[i].angular_velocity_radps = free.angular_velocity_radps;
     }
+  }
+  const auto corner_by_corner = [&](const PointContact& contact) {
+    return contact.points > 1 && std::isfinite(scheme.impulse->plane_reach_share) &&
+           std::holds_alternative<PlaneShape>(run.world.bodies[contact.body_a].shape);
+  };
+  if (std::ranges::any_of(contacts, corner_by_corner)) {
+    why = "a plane finds the corners of a box one per step";
+    return false;
   }
   std::vector<Row> rows = active_rows(scheme, run, contacts, before);
   const auto has_friction = [&](const Row& row) {
