@@ -46,11 +46,6 @@ void advance_position(PositionRule rule, const Eigen::Vector3d& old_velocity_mps
 State next_free_state(const Scheme& scheme, const Body& body, const State& state,
                       const Wrench& wrench, const Eigen::Vector3d& gravity_mps2, double step_s);
 
-// Normal velocity (m/s) that the step must at least reach at a contact whose gap (m) and normal
-// velocity (m/s, before this step's forces) are given; -infinity where no contact row exists.
-double target_velocity_mps(const ImpulseContact& contact, double restitution, double gap_m,
-                           double velocity_mps, double step_s);
-
 // Acceleration (m/s2) of a compliant contact of `points` equal points, each of which sees
 // diagonal 1/mass = inverse mass of the whole: a = ((1-d) a_free + n d a_ref) / (1 - d + n d) where
 // that pushes, else a_free. Todorov, "Convex and analytically-invertible dynamics with contacts and

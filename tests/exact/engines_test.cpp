@@ -66,10 +66,12 @@ TEST(Engines, AnswerTheCradleHitFromTheOtherEndAsPredicted) {
   ExactRun run = build(cradle).value();
   std::ranges::reverse(run.world.bodies);
   run.geometry = sphere_row_contact({0, 1, 2}, 0.25);
+  const std::set<std::string> asked = open_questions();
   for (const Adapter& adapter : adapters()) {
     for (const Variant& variant : adapter.variants) {
       const CellResult cell = predict(adapter, variant.name, cradle, run);
-      if (!cell.no_prediction.empty()) continue;
+      const bool open = asked.contains(adapter.name + "/" + variant.name + " " + cradle.id);
+      if (!cell.no_prediction.empty() || open) continue;
       const auto measured = measure(adapter, variant.name, cradle, run);
       if (!measured && measured.error().fault == Fault::unsupported) continue;
       ASSERT_TRUE(measured) << adapter.name << '/' << variant.name << measured.error().reason;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "experiments/exact/builders.hpp"
+#include "experiments/exact/impulse_map.hpp"
 #include "experiments/exact/pivoting.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
