@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t k_width_without_terminal = 100;
 constexpr std::size_t k_bar_width = 24;
 constexpr std::chrono::milliseconds k_redraw_period{100};
+// More items than this do not get a line each, but one per period.
+constexpr std::size_t k_few_items = 40;
+constexpr std::chrono::seconds k_line_period{2};
 
 std::size_t width_of(int descriptor) {
   if (const char* text = std::getenv("COLUMNS")) {
@@ -60,6 +63,9 @@ void Progress::update(double share) {
 
 void Progress::end(const std::string& line) {
   ++finished_;
+  const bool last = finished_ == count_;
+  if (count_ > k_few_items && !last && Clock::now() - told_ < k_line_period) return;
+  told_ = Clock::now();
   const double done = static_cast<double>(finished_);
   const std::string left =
       finished_ < count_ ? fmt::format(", {} left", duration_text(left_s(done))) : "";

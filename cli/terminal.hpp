@@ -27,7 +27,7 @@ class Progress {
   void begin(const std::string& label);
   // Share of the current item that is done, 0..1.
   void update(double share);
-  // The item is done; `line` says how it went.
+  // The item is done; `line` says how it went. Of many items a line every few seconds is printed.
   void end(const std::string& line);
 
  private:
@@ -42,6 +42,7 @@ class Progress {
   std::string label_;
   Clock::time_point started_;
   Clock::time_point drawn_;
+  Clock::time_point told_;
 };
 
 }  // namespace brickbench

@@ -63,12 +63,12 @@ class Displaced : public Metric {
   }
 
   void report(std::vector<Measurement>& out) const override {
-    if (silent(out, outputs())) return;
+    if (is_silent(bricks_, guard_, out, outputs())) return;
     emit(out, outputs(), {{now_.count}, {now_.largest_m}, {now_.mean_m}, {now_.rms_speed_mps}});
   }
 
   void trace(std::vector<Measurement>& out) const override {
-    if (silent(out, curves())) return;
+    if (is_silent(bricks_, guard_, out, curves())) return;
     emit(out, curves(), {{now_.count}, {now_.largest_m}, {now_.rms_speed_mps}});
   }
 
@@ -79,17 +79,6 @@ class Displaced : public Metric {
     double mean_m = 0.0;
     double rms_speed_mps = 0.0;
   };
-
-  bool silent(std::vector<Measurement>& out, const std::vector<OutputInfo>& list) const {
-    if (bricks_.empty()) {
-      emit_none(out, list, not_applicable("the scene has no bricks").note);
-    } else if (!guard_.intact()) {
-      emit_none(out, list, guard_.note());
-    } else {
-      return false;
-    }
-    return true;
-  }
 
   std::vector<std::size_t> bricks_;
   double threshold_m_;

@@ -54,14 +54,14 @@ class Outcomes : public Metric {
   }
 
   void report(std::vector<Measurement>& out) const override {
-    if (silent(out, outputs())) return;
+    if (is_silent(bricks_, guard_, out, outputs())) return;
     const Value collapse = collapsed_ ? Value{collapse_s_} : Value{now_s_, "did not collapse"};
     const Value settling = moves_ ? Value{now_s_, "still moving at the end"} : Value{settling_s_};
     emit(out, outputs(), {{height_m_}, {run_out_m_}, settling, collapse});
   }
 
   void trace(std::vector<Measurement>& out) const override {
-    if (silent(out, curves())) return;
+    if (is_silent(bricks_, guard_, out, curves())) return;
     emit(out, curves(), {{height_m_}});
   }
 
@@ -96,17 +96,6 @@ class Outcomes : public Metric {
       collapsed_ = true;
       collapse_s_ = sample.time_s;
     }
-  }
-
-  bool silent(std::vector<Measurement>& out, const std::vector<OutputInfo>& list) const {
-    if (bricks_.empty()) {
-      emit_none(out, list, not_applicable("the scene has no bricks").note);
-    } else if (!guard_.intact()) {
-      emit_none(out, list, guard_.note());
-    } else {
-      return false;
-    }
-    return true;
   }
 
   World world_;

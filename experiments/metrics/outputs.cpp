@@ -70,4 +70,16 @@ bool StateGuard::admits(const Sample& sample) {
   return true;
 }
 
+bool is_silent(const std::vector<std::size_t>& bricks, const StateGuard& guard,
+               std::vector<Measurement>& out, const std::vector<OutputInfo>& outputs) {
+  if (bricks.empty()) {
+    emit_none(out, outputs, not_applicable("the scene has no bricks").note);
+  } else if (!guard.intact()) {
+    emit_none(out, outputs, guard.note());
+  } else {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace brickbench

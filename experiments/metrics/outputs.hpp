@@ -43,4 +43,9 @@ class StateGuard {
   std::string note_;
 };
 
+// Whether a metric of bricks has no number, because there are no bricks or because a state was
+// none; `out` then says which for every output.
+bool is_silent(const std::vector<std::size_t>& bricks, const StateGuard& guard,
+               std::vector<Measurement>& out, const std::vector<OutputInfo>& outputs);
+
 }  // namespace brickbench
