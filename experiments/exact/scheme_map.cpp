@@ -107,7 +107,6 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
   Recorder recorder(run, exact_case.observables.size());
   std::optional<SoftMap> soft;
   if (scheme.soft && run.geometry) soft.emplace(scheme, run);
-  std::vector<PointContact> contacts;
   std::vector<State> states;
   for (const Body& body : run.world.bodies) states.push_back(body.initial);
   std::vector<Wrench> wrenches(states.size());
@@ -122,9 +121,7 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
     std::ranges::fill(wrenches, Wrench{});
     if (run.load) run.load(step, start_s, wrenches);
     if (soft) {
-      contacts.clear();
-      run.geometry(states, contacts);
-      if (!soft->advance(wrenches, contacts, states, out)) return std::nullopt;
+      if (!soft->advance(wrenches, states, out)) return std::nullopt;
     } else if (!advance(scheme, run, wrenches, states, out)) {
       return std::nullopt;
     }

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "experiments/exact/scheme_map.hpp"
@@ -15,19 +14,11 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-
-double thickness_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return 2.0 * box->half_extents_m.minCoeff();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return 2.0 * sphere->radius_m;
-  return k_infinity;
-}
-
-double bounding_radius_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
-  return k_infinity;
-}
+// A step is done again with twice the sweeps per sub-step where known contacts end deeper than they
+// were by more than this share of the margin; so often at most, with so many at most.
+constexpr double k_too_deep_share = 0.5;
+constexpr int k_most_trials = 8;
+constexpr int k_most_sweeps = 8;
 
 Matrix3d inverse_inertia(const Body& body, const Quaterniond& attitude) {
   const Matrix3d r = attitude.toRotationMatrix();
@@ -41,6 +32,10 @@ float dot(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 void add(Eigen::Vector3f& sum, const Eigen::Vector3f& direction, float scale) {
   for (Eigen::Index k = 0; k < 3; ++k) sum[k] = std::fma(direction[k], scale, sum[k]);
 }
+Eigen::Vector3f times(const Eigen::Matrix3f& m, const Eigen::Vector3f& v) {
+  return {dot(m.row(0), v), dot(m.row(1), v), dot(m.row(2), v)};
+}
+float inverse(float x) { return x > 0.0F ? 1.0F / x : 0.0F; }
 
 }  // namespace
 
@@ -51,236 +46,213 @@ SoftMap::SoftMap(const Scheme& scheme, const ExactRun& run)
       velocity_(run.world.bodies.size()),
       moved_(run.world.bodies.size()) {}
 
-// How far any point of the body can move in this step.
-double SoftMap::reach_m(std::size_t body, const State& state) const {
-  const Body& fact = run_.world.bodies[body];
-  if (fact.fixed) return 0.0;
-  return run_.step_s * (state.velocity_mps.norm() +
-                        state.angular_velocity_radps.norm() * bounding_radius_m(fact.shape));
-}
-
-bool SoftMap::still_holds(const Memory& memory, double margin_m,
-                          std::span<const State> states) const {
-  const Body& a = run_.world.bodies[memory.body_a];
-  const Body& b = run_.world.bodies[memory.body_b];
-  const double bound_m = soft_.keep_share * std::min(thickness_m(a.shape), thickness_m(b.shape));
-  if (margin_m + 2.0 * bound_m > memory.found_within_m) return false;
-  const State& at_a = states[memory.body_a];
-  const State& at_b = states[memory.body_b];
-  const Quaterniond to_a = at_a.orientation.conjugate();
-  const Eigen::Vector4d now = (to_a * at_b.orientation).coeffs();
-  const Eigen::Vector4d then = memory.b_in_a.coeffs();
-  const Vector3d between_m = at_b.position_m - at_a.position_m;
-  const double lever_m =
-      std::min(bounding_radius_m(b.shape), between_m.norm() + bounding_radius_m(a.shape));
-  const double turn_m = 2.0 * lever_m * std::min((now - then).norm(), (now + then).norm());
-  return (to_a * between_m - memory.between_in_a_m).norm() + turn_m <= bound_m;
-}
-
-SoftMap::Memory SoftMap::found(const PointContact& contact, double reach_m,
-                               std::span<const State> states) const {
-  const State& a = states[contact.body_a];
-  const State& b = states[contact.body_b];
-  const Quaterniond to_a = a.orientation.conjugate();
-  const double thin_m = std::min(thickness_m(run_.world.bodies[contact.body_a].shape),
-                                 thickness_m(run_.world.bodies[contact.body_b].shape));
-  const Vector3d on_a_m = contact.position_m - contact.gap_m * contact.normal;
-  Memory memory;
-  memory.body_a = contact.body_a;
-  memory.body_b = contact.body_b;
-  memory.on_a_m = to_a * (on_a_m - a.position_m);
-  memory.on_b_m = b.orientation.conjugate() * (contact.position_m - b.position_m);
-  memory.normal_in_a = to_a * contact.normal;
-  memory.between_in_a_m = to_a * (b.position_m - a.position_m);
-  memory.b_in_a = to_a * b.orientation;
-  memory.found_within_m = 1.5 * soft_.margin_m + reach_m + 2.0 * soft_.keep_share * thin_m;
-  return memory;
-}
-
-// Contacts of this step with what they inherit from the last one.
-void SoftMap::remember(const std::vector<PointContact>& contacts, std::span<const State> states) {
-  std::vector<Memory> next;
-  for (const PointContact& contact : contacts) {
-    const double reach = reach_m(contact.body_a, states[contact.body_a]) +
-                         reach_m(contact.body_b, states[contact.body_b]);
-    const auto old = std::ranges::find_if(memories_, [&](const Memory& m) {
-      return m.body_a == contact.body_a && m.body_b == contact.body_b;
-    });
-    const bool known = old != memories_.end();
-    if (known && still_holds(*old, soft_.margin_m + reach, states)) {
-      next.push_back(*old);
-      continue;
-    }
-    Memory memory = found(contact, reach, states);
-    if (contact.gap_m > memory.found_within_m) continue;
-    const double thin_m = std::min(thickness_m(run_.world.bodies[contact.body_a].shape),
-                                   thickness_m(run_.world.bodies[contact.body_b].shape));
-    if (known && (old->on_b_m - memory.on_b_m).norm() < soft_.same_point_share * thin_m) {
-      memory.impulse_ns = old->impulse_ns;
-      memory.friction_ns = old->friction_ns;
-    }
-    next.push_back(memory);
-  }
-  std::ranges::sort(next, {}, [](const Memory& m) { return std::pair(m.body_a, m.body_b); });
-  memories_ = std::move(next);
-}
-
-SoftMap::Side SoftMap::side(std::size_t body, const Vector3d& lever_m, const State& state) const {
+SoftMap::Side SoftMap::side(std::size_t body, const State& state) const {
   const Body& fact = run_.world.bodies[body];
   Side side;
   side.body = body;
   side.fixed = fact.fixed;
-  side.lever = lever_m.cast<float>();
   if (fact.fixed) return side;
   side.inverse_mass = static_cast<float>(1.0 / fact.mass_kg);
   side.inverse_inertia = inverse_inertia(fact, state.orientation).cast<float>();
   return side;
 }
 
-// Effective masses: along the normal of the point, and the 2x2 inverse for its tangents.
-void SoftMap::prepare(Row& row) const {
-  const auto response = [&](const Vector& along, const Vector& other) {
-    float sum = 0.0F;
-    for (const Side* s : {&row.a, &row.b}) {
-      sum += s->lever.cross(along).dot(s->inverse_inertia * s->lever.cross(other));
-    }
-    return sum;
-  };
-  const float inverse_mass = row.a.inverse_mass + row.b.inverse_mass;
-  row.mass = 1.0F / (inverse_mass + response(row.normal, row.normal));
-  Eigen::Index least = 0;
-  row.normal.cwiseAbs().minCoeff(&least);
-  row.tangent_1 = row.normal.cross(Vector::Unit(least)).normalized();
-  row.tangent_2 = row.normal.cross(row.tangent_1);
-  Eigen::Matrix2f k;
-  k(0, 0) = inverse_mass + response(row.tangent_1, row.tangent_1);
-  k(1, 1) = inverse_mass + response(row.tangent_2, row.tangent_2);
-  k(0, 1) = k(1, 0) = response(row.tangent_1, row.tangent_2);
-  row.friction_mass = k.inverse();
-  row.friction_ns = {row.tangent_1.dot(row.memory->friction_ns),
-                     row.tangent_2.dot(row.memory->friction_ns)};
+SoftMap::Arm SoftMap::arm(const Row& row, const Vector& lever_a, const Vector& lever_b,
+                          const Vector& direction) const {
+  Arm arm;
+  arm.on_a = lever_a.cross(direction);
+  arm.on_b = lever_b.cross(direction);
+  arm.turn_a = times(row.a.inverse_inertia, arm.on_a);
+  arm.turn_b = times(row.b.inverse_inertia, arm.on_b);
+  return arm;
 }
 
-// One row per contact that may close within the step, coloured greedily in the order of the pairs.
-void SoftMap::make_rows(std::span<const State> states) {
-  rows_.clear();
-  std::vector<std::vector<int>> taken(states.size());
-  for (Memory& memory : memories_) {
-    const State& a = states[memory.body_a];
-    const State& b = states[memory.body_b];
-    const Vector3d on_a = a.orientation * memory.on_a_m;
-    const Vector3d on_b = b.orientation * memory.on_b_m + b.position_m - a.position_m;
-    const Vector3d normal = a.orientation * memory.normal_in_a;
-    const Vector3d arm_a = 0.5 * (on_a + on_b);
-    const Vector3d arm_b = arm_a - (b.position_m - a.position_m);
-    const double gap_m = normal.dot(on_b - on_a);
-    if (gap_m > soft_.margin_m + reach_m(memory.body_a, a) + reach_m(memory.body_b, b)) {
-      memory.impulse_ns = 0.0F;
-      memory.friction_ns.setZero();
-      continue;
-    }
-    const ContactLaw law = contact_law(run_.world, memory.body_a, memory.body_b);
-    Row row;
-    row.memory = &memory;
-    row.a = side(memory.body_a, arm_a, a);
-    row.b = side(memory.body_b, arm_b, b);
-    row.normal = normal.cast<float>();
-    row.gap_m = row.gap_now_m = static_cast<float>(gap_m);
-    row.impulse_ns = memory.impulse_ns;
-    row.friction = static_cast<float>(law.friction);
-    const double speed = normal.dot(b.velocity_mps + b.angular_velocity_radps.cross(arm_b) -
-                                    a.velocity_mps - a.angular_velocity_radps.cross(arm_a));
-    if (speed < -soft_.resting_approach_mps) {
-      row.bounce_mps = static_cast<float>(-law.restitution * speed);
-    }
-    const auto used = [&](const Side& s) {
-      return !s.fixed && std::ranges::count(taken[s.body], row.colour) > 0;
-    };
-    while (used(row.a) || used(row.b)) ++row.colour;
-    for (const Side* s : {&row.a, &row.b}) taken[s->body].push_back(row.colour);
-    prepare(row);
-    rows_.push_back(row);
+// Effective masses: along the normal at each point, for the two tangents in the middle of the
+// points, and about the normal, where friction acts at the points' mean distance from the middle.
+void SoftMap::prepare(Row& row) const {
+  const float inverse_mass = row.a.inverse_mass + row.b.inverse_mass;
+  Vector middle = Vector::Zero();
+  for (const Point& point : row.points) middle += point.lever_a;
+  const float share = 1.0F / static_cast<float>(row.points.size());
+  middle *= share;
+  float distances_m = 0.0F;
+  for (Point& point : row.points) {
+    point.arm = arm(row, point.lever_a, point.lever_b, row.normal);
+    point.mass = inverse(inverse_mass + (dot(point.arm.on_a, point.arm.turn_a) +
+                                         dot(point.arm.on_b, point.arm.turn_b)));
+    const Vector off = point.lever_a - middle;
+    distances_m += std::sqrt(dot(off, off));
   }
-  std::ranges::stable_sort(rows_, {}, &Row::colour);
+  row.twist_lever_m = distances_m * share;
+  row.twist.turn_a = times(row.a.inverse_inertia, row.normal);
+  row.twist.turn_b = times(row.b.inverse_inertia, row.normal);
+  row.twist_mass = inverse(dot(row.normal, row.twist.turn_a) + dot(row.normal, row.twist.turn_b));
+  row.twist_ns = row.memory->twist_ns;
+  prepare_friction(row);
+}
+
+void SoftMap::prepare_friction(Row& row) const {
+  const float inverse_mass = row.a.inverse_mass + row.b.inverse_mass;
+  Eigen::Index least = 0;
+  row.normal.cwiseAbs().minCoeff(&least);
+  const Vector first = row.normal.cross(Vector::Unit(least));
+  row.tangent[0] = first * inverse(std::sqrt(dot(first, first)));
+  row.tangent[1] = row.normal.cross(row.tangent[0]);
+  Vector middle_a = Vector::Zero(), middle_b = Vector::Zero();
+  for (const Point& point : row.points) {
+    middle_a += point.lever_a;
+    middle_b += point.lever_b;
+  }
+  const float share = 1.0F / static_cast<float>(row.points.size());
+  for (std::size_t k = 0; k < 2; ++k) {
+    row.friction_arm[k] = arm(row, middle_a * share, middle_b * share, row.tangent[k]);
+    row.friction_ns[k] = dot(row.tangent[k], row.memory->friction_ns);
+  }
+  const auto& [arm_1, arm_2] = row.friction_arm;
+  const auto response = [](const Arm& felt, const Arm& pushed) {
+    return dot(felt.on_a, pushed.turn_a) + dot(felt.on_b, pushed.turn_b);
+  };
+  const float k_11 = inverse_mass + response(arm_1, arm_1);
+  const float k_22 = inverse_mass + response(arm_2, arm_2);
+  const float k_12 = response(arm_1, arm_2);
+  const float scale = inverse(k_11 * k_22 - k_12 * k_12);
+  row.friction_mass_11 = k_22 * scale;
+  row.friction_mass_22 = k_11 * scale;
+  row.friction_mass_12 = -(k_12 * scale);
 }
 
 // Single precision adds thousands of small changes, so how each is rounded is part of the scheme:
-// products and sums are contracted, impulse times inverse mass first.
-void SoftMap::push(const Row& row, const Vector& direction, float impulse_ns,
-                   std::vector<Twist>& twists) {
-  for (const auto& [s, signed_ns] :
-       {std::pair(&row.a, -impulse_ns), std::pair(&row.b, impulse_ns)}) {
-    if (s->fixed) continue;
-    Twist& twist = twists[s->body];
-    add(twist.linear, direction, signed_ns * s->inverse_mass);
-    const Vector arm = s->lever.cross(direction);
-    const Eigen::Matrix3f& i = s->inverse_inertia;
-    add(twist.angular, {dot(i.row(0), arm), dot(i.row(1), arm), dot(i.row(2), arm)}, signed_ns);
-  }
+// products and sums are contracted, impulse times inverse mass first. What an impulse (N s) on b
+// and its reaction on a change in the velocities of the centres ...
+void SoftMap::shift(const Row& row, const Vector& direction, float impulse_ns,
+                    std::vector<Twist>& twists) {
+  if (!row.a.fixed) add(twists[row.a.body].linear, direction, -(impulse_ns * row.a.inverse_mass));
+  if (!row.b.fixed) add(twists[row.b.body].linear, direction, impulse_ns * row.b.inverse_mass);
 }
 
-float SoftMap::slip(const Row& row, const Vector& direction, const std::vector<Twist>& twists) {
+// ... and in the spins.
+void SoftMap::turn(const Row& row, const Arm& arm, float impulse_ns, std::vector<Twist>& twists) {
+  if (!row.a.fixed) add(twists[row.a.body].angular, arm.turn_a, -impulse_ns);
+  if (!row.b.fixed) add(twists[row.b.body].angular, arm.turn_b, impulse_ns);
+}
+
+// How fast b moves from a along the unit vector `direction`: what the centres do ...
+float SoftMap::apart(const Row& row, const Vector& direction, const std::vector<Twist>& twists) {
   const auto linear = [&](const Side& s) -> Vector {
     return s.fixed ? Vector(Vector::Zero()) : twists[s.body].linear;
   };
-  const auto turning = [&](const Side& s) {
-    return s.fixed ? 0.0F : dot(s.lever.cross(direction), twists[s.body].angular);
-  };
-  return dot(direction, linear(row.b) - linear(row.a)) + (turning(row.b) - turning(row.a));
+  return dot(direction, linear(row.b) - linear(row.a));
+}
+
+// ... and what the spins add.
+float SoftMap::turning(const Row& row, const Arm& arm, const std::vector<Twist>& twists) {
+  const float on_a = row.a.fixed ? 0.0F : dot(arm.on_a, twists[row.a.body].angular);
+  const float on_b = row.b.fixed ? 0.0F : dot(arm.on_b, twists[row.b.body].angular);
+  return on_b - on_a;
 }
 
 // E. Catto, Solver2D, 2024: an overlap is a damped spring in the biased sweep and rigid in the
-// relaxing one; an open gap may close within the sub-step in both. Then friction in its cone.
-void SoftMap::serve(Row& row, bool biased) {
+// relaxing one; an open gap may close within the sub-step in both. Points in their order; the
+// centres get the sum of their impulses. Returns the load: the sum of all impulses they hold.
+float SoftMap::serve_points(Row& row, bool biased) {
   const double h = run_.step_s / soft_.substeps;
   const double omega = std::min(2.0 * std::numbers::pi * soft_.frequency_hz, 1.0 / h);
   const double damping = 2.0 * soft_.damping_ratio + h * omega;
   const double forget = 1.0 / (1.0 + h * omega * damping);
-  if (!biased) row.gap_now_m = row.gap_m + slip(row, row.normal, moved_);
-  float bias_mps = row.gap_now_m / static_cast<float>(h);
-  float mass_share = 1.0F, impulse_share = 0.0F;
-  if (!(row.gap_now_m > 0.0F)) {
-    bias_mps = biased ? std::max(static_cast<float>(omega / damping) * row.gap_now_m,
-                                 -static_cast<float>(soft_.push_limit_mps))
-                      : 0.0F;
-    mass_share = biased ? static_cast<float>(1.0 - forget) : 1.0F;
-    impulse_share = biased ? static_cast<float>(forget) : 0.0F;
+  const float inverse_step = 1.0F / static_cast<float>(h);
+  const float inverse_mass = row.a.inverse_mass + row.b.inverse_mass;
+  float approach_mps = apart(row, row.normal, velocity_);
+  float applied_ns = 0.0F, load_ns = 0.0F;
+  for (Point& point : row.points) {
+    if (!biased) {
+      point.gap_now_m =
+          (point.gap_m + apart(row, row.normal, moved_)) + turning(row, point.arm, moved_);
+    }
+    float bias_mps = point.gap_now_m * inverse_step;
+    float mass_share = 1.0F, impulse_share = 0.0F;
+    if (!(point.gap_now_m > 0.0F)) {
+      bias_mps = biased ? std::max(static_cast<float>(omega / damping) * point.gap_now_m,
+                                   -static_cast<float>(soft_.push_limit_mps))
+                        : 0.0F;
+      mass_share = biased ? static_cast<float>(1.0 - forget) : 1.0F;
+      impulse_share = biased ? static_cast<float>(forget) : 0.0F;
+    }
+    const float speed_mps = approach_mps + turning(row, point.arm, velocity_);
+    const float wanted_ns =
+        std::fma(point.mass * mass_share, speed_mps + bias_mps, impulse_share * point.impulse_ns);
+    const float next_ns = std::max(point.impulse_ns - wanted_ns, 0.0F);
+    const float change_ns = next_ns - point.impulse_ns;
+    point.impulse_ns = next_ns;
+    point.largest_ns = std::max(point.largest_ns, next_ns);
+    approach_mps = std::fma(change_ns, inverse_mass, approach_mps);
+    applied_ns += change_ns;
+    load_ns += next_ns;
+    turn(row, point.arm, change_ns, velocity_);
   }
-  const float wanted = std::fma(row.mass * mass_share, slip(row, row.normal, velocity_) + bias_mps,
-                                impulse_share * row.impulse_ns);
-  const float next = std::max(row.impulse_ns - wanted, 0.0F);
-  push(row, row.normal, next - row.impulse_ns, velocity_);
-  row.impulse_ns = next;
-  row.largest_ns = std::max(row.largest_ns, next);
-  const float slip_1 = slip(row, row.tangent_1, velocity_);
-  const float slip_2 = slip(row, row.tangent_2, velocity_);
-  const auto& k = row.friction_mass;
-  Eigen::Vector2f friction = {row.friction_ns.x() - std::fma(k(0, 0), slip_1, k(0, 1) * slip_2),
-                              row.friction_ns.y() - std::fma(k(1, 1), slip_2, k(0, 1) * slip_1)};
-  const float limit = row.friction * next;
-  if (friction.norm() > limit) friction *= limit / friction.norm();
-  const Eigen::Vector2f change = friction - row.friction_ns;
-  row.friction_ns = friction;
-  push(row, row.tangent_1, change.x(), velocity_);
-  push(row, row.tangent_2, change.y(), velocity_);
+  shift(row, row.normal, applied_ns, velocity_);
+  return load_ns;
+}
+
+// Coulomb's law for the manifold as a whole, in the middle of its points.
+void SoftMap::serve_friction(Row& row, float load_ns) {
+  std::array<float, 2> slip_mps{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    slip_mps[k] =
+        apart(row, row.tangent[k], velocity_) + turning(row, row.friction_arm[k], velocity_);
+  }
+  std::array<float, 2> next_ns = {
+      row.friction_ns[0] -
+          std::fma(row.friction_mass_11, slip_mps[0], row.friction_mass_12 * slip_mps[1]),
+      row.friction_ns[1] -
+          std::fma(row.friction_mass_22, slip_mps[1], row.friction_mass_12 * slip_mps[0])};
+  const float limit_ns = row.friction * load_ns;
+  const float length_ns = std::sqrt(std::fma(next_ns[0], next_ns[0], next_ns[1] * next_ns[1]));
+  if (length_ns > limit_ns) {
+    for (float& next : next_ns) next *= limit_ns / length_ns;
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const float change_ns = next_ns[k] - row.friction_ns[k];
+    row.friction_ns[k] = next_ns[k];
+    shift(row, row.tangent[k], change_ns, velocity_);
+    turn(row, row.friction_arm[k], change_ns, velocity_);
+  }
+}
+
+void SoftMap::serve_twist(Row& row, float load_ns) {
+  const auto spin = [&](const Side& s) -> Vector {
+    return s.fixed ? Vector(Vector::Zero()) : velocity_[s.body].angular;
+  };
+  const float spin_radps = dot(row.normal, spin(row.b) - spin(row.a));
+  const float limit = row.friction * load_ns * row.twist_lever_m;
+  const float next = std::clamp(row.twist_ns - row.twist_mass * spin_radps, -limit, limit);
+  const float change = next - row.twist_ns;
+  row.twist_ns = next;
+  turn(row, row.twist, change, velocity_);
 }
 
 void SoftMap::sweep(bool biased, bool forwards) {
-  if (forwards) {
-    for (Row& row : rows_) serve(row, biased);
-  } else {
-    for (std::size_t i = rows_.size(); i-- > 0;) serve(rows_[i], biased);
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Row& row = rows_[forwards ? i : rows_.size() - 1 - i];
+    const float load_ns = serve_points(row, biased);
+    serve_friction(row, load_ns);
+    serve_twist(row, load_ns);
   }
 }
 
-// Newton's law for the contacts that were struck during the step.
+// Newton's law for the points that were struck during the step.
 void SoftMap::bounce() {
   for (Row& row : rows_) {
-    if (!(row.bounce_mps > 0.0F) || !(row.largest_ns > 0.0F)) continue;
-    const float lacking = slip(row, row.normal, velocity_) - row.bounce_mps;
-    const float next = std::max(row.impulse_ns - row.mass * lacking, 0.0F);
-    push(row, row.normal, next - row.impulse_ns, velocity_);
-    row.impulse_ns = next;
+    for (Point& point : row.points) {
+      if (!(point.bounce_mps > 0.0F) || !(point.largest_ns > 0.0F)) continue;
+      const float speed_mps =
+          apart(row, row.normal, velocity_) + turning(row, point.arm, velocity_);
+      const float next_ns =
+          std::max(point.impulse_ns - point.mass * (speed_mps - point.bounce_mps), 0.0F);
+      const float change_ns = next_ns - point.impulse_ns;
+      point.impulse_ns = next_ns;
+      shift(row, row.normal, change_ns, velocity_);
+      turn(row, point.arm, change_ns, velocity_);
+    }
   }
 }
 
@@ -288,10 +260,13 @@ void SoftMap::bounce() {
 void SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) {
   std::vector<bool> touched(states.size(), false);
   for (const Row& row : rows_) {
-    row.memory->impulse_ns = row.impulse_ns;
+    for (std::size_t p = 0; p < row.points.size(); ++p) {
+      row.memory->impulse_ns[p] = row.points[p].impulse_ns;
+      if (row.points[p].largest_ns > 0.0F) touched[row.a.body] = touched[row.b.body] = true;
+    }
     row.memory->friction_ns =
-        row.friction_ns.x() * row.tangent_1 + row.friction_ns.y() * row.tangent_2;
-    if (row.largest_ns > 0.0F) touched[row.a.body] = touched[row.b.body] = true;
+        row.friction_ns[0] * row.tangent[0] + row.friction_ns[1] * row.tangent[1];
+    row.memory->twist_ns = row.twist_ns;
   }
   for (std::size_t i = 0; i < states.size(); ++i) {
     const Body& body = run_.world.bodies[i];
@@ -311,20 +286,33 @@ void SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) 
   }
 }
 
-bool SoftMap::advance(std::span<const Wrench> wrenches, const std::vector<PointContact>& contacts,
-                      std::span<State> states, std::string& why) {
-  if (std::ranges::any_of(contacts, [](const PointContact& c) { return c.points > 1; })) {
-    why = "one sweep serves the points of a face one after the other; their order is not stated";
-    return false;
+// Whether some known point ends deeper than it was, and than zero, by too much.
+bool SoftMap::leaves_too_deep() const {
+  for (const Row& row : rows_) {
+    if (row.reach_m <= soft_.margin_m) continue;
+    for (const Point& point : row.points) {
+      const float end_m =
+          point.gap_m + apart(row, row.normal, moved_) + turning(row, point.arm, moved_);
+      const double deeper_m = std::min(0.0F, point.gap_m) - end_m;
+      if (deeper_m > k_too_deep_share * soft_.margin_m) return true;
+    }
   }
-  remember(contacts, states);
-  make_rows(states);
+  return false;
+}
+
+void SoftMap::run_substeps(std::span<const Wrench> wrenches, std::span<const State> states) {
   const double h = run_.step_s / soft_.substeps;
   std::vector<Twist> carried(states.size()), free(states.size());
   for (const Row& row : rows_) {
-    push(row, row.normal, row.impulse_ns, carried);
-    push(row, row.tangent_1, row.friction_ns.x(), carried);
-    push(row, row.tangent_2, row.friction_ns.y(), carried);
+    for (const Point& point : row.points) {
+      shift(row, row.normal, point.impulse_ns, carried);
+      turn(row, point.arm, point.impulse_ns, carried);
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      shift(row, row.tangent[k], row.friction_ns[k], carried);
+      turn(row, row.friction_arm[k], row.friction_ns[k], carried);
+    }
+    turn(row, row.twist, row.twist_ns, carried);
   }
   for (std::size_t i = 0; i < states.size(); ++i) {
     moved_[i] = {};
@@ -348,16 +336,33 @@ bool SoftMap::advance(std::span<const Wrench> wrenches, const std::vector<PointC
       velocity_[i] = {flown.linear + carried[i].linear, flown.angular + carried[i].angular};
       carried[i] = flown;
     });
-    sweep(true, s % 2 == 0);
+    for (int k = 0; k < sweeps_; ++k) sweep(true, (s + k) % 2 == 0);
     for_twists([&](std::size_t i) {
       moved_[i].linear += static_cast<float>(h) * velocity_[i].linear;
       moved_[i].angular += static_cast<float>(h) * velocity_[i].angular;
     });
-    sweep(false, s % 2 != 0);
+    for (int k = 0; k < sweeps_; ++k) sweep(false, (s + k) % 2 != 0);
     for_twists([&](std::size_t i) {
       carried[i] = {velocity_[i].linear - carried[i].linear,
                     velocity_[i].angular - carried[i].angular};
     });
+  }
+}
+
+bool SoftMap::advance(std::span<const Wrench> wrenches, std::span<State> states, std::string& why) {
+  if (!remember(states, why)) return false;
+  sweeps_ = 1;
+  for (int trial = 0; trial < k_most_trials; ++trial) {
+    make_rows(states);
+    run_substeps(wrenches, states);
+    if (!leaves_too_deep()) break;
+    if (trial + 1 < k_most_trials) sweeps_ = std::min(2 * sweeps_, k_most_sweeps);
+  }
+  const auto pressed = [](const Point& point) { return point.largest_ns > 0.0F; };
+  for (const Row& row : rows_) {
+    if (row.memory->plain || std::ranges::none_of(row.points, pressed)) continue;
+    why = "faces press beyond each other's borders, where other points than corners touch";
+    return false;
   }
   bounce();
   finish(wrenches, states);

@@ -1,13 +1,16 @@
-// The discrete map of soft contacts in sub-steps: contacts of one point each, served one after the
-// other, so that one sweep is a closed formula.
+// The discrete map of soft contacts in sub-steps. Bodies touch in manifolds of up to four points,
+// whose order is part of the scheme, and everything is served one after the other: one sweep is a
+// closed formula.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "adapters/seam/scheme.hpp"
 #include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/sequential_map.hpp"
 
 namespace brickbench::exact {
 
@@ -18,24 +21,31 @@ class SoftMap {
  public:
   SoftMap(const Scheme& scheme, const ExactRun& run);
 
-  // Advances all states (bodies) by one step with the contacts (of PointContact::position_m on body
-  // b) of its start; false, with a reason, where the scheme leaves it open.
-  bool advance(std::span<const Wrench> wrenches, const std::vector<PointContact>& contacts,
-               std::span<State> states, std::string& why);
+  // Advances all states (bodies) by one step; false, with a reason, where the scheme leaves it
+  // open. The points of a pair are those of touching_points(), in that order.
+  bool advance(std::span<const Wrench> wrenches, std::span<State> states, std::string& why);
+
+  // How often a sub-step's sweeps were repeated in the last step: twice as often as long as they
+  // leave a known contact too deep, up to 8.
+  int sweeps() const { return sweeps_; }
 
  private:
   using Vector = Eigen::Vector3f;
+  static constexpr std::size_t k_points = 4;
 
-  // What a contact keeps from step to step: where it was found, and what it carried last.
+  // What a manifold keeps from step to step: where it was found, and what it carried last.
   struct Memory {
     std::size_t body_a = 0, body_b = 0;
-    Eigen::Vector3d on_a_m, on_b_m;  // body frames
+    std::size_t count = 0;                                 // of points
+    std::array<Eigen::Vector3d, k_points> on_a_m, on_b_m;  // body frames
     Eigen::Vector3d normal_in_a;
     Eigen::Vector3d between_in_a_m;
     Eigen::Quaterniond b_in_a;
     double found_within_m = 0.0;
-    float impulse_ns = 0.0F;  // per sub-step
+    bool plain = true;                            // TouchingPoint::plain of all points
+    std::array<float, k_points> impulse_ns = {};  // per sub-step
     Vector friction_ns = Vector::Zero();
+    float twist_ns = 0.0F;
   };
   // Single precision, as the scheme states for what happens within a step.
   struct Side {
@@ -43,38 +53,66 @@ class SoftMap {
     bool fixed = true;
     float inverse_mass = 0.0F;
     Eigen::Matrix3f inverse_inertia = Eigen::Matrix3f::Zero();
-    Vector lever = Vector::Zero();
+  };
+  // A direction at a place: lever x direction, and what an impulse there changes in the spin.
+  struct Arm {
+    Vector on_a = Vector::Zero(), on_b = Vector::Zero();
+    Vector turn_a = Vector::Zero(), turn_b = Vector::Zero();
+  };
+  struct Point {
+    Vector lever_a, lever_b;
+    Arm arm;
+    float mass = 0.0F;
+    float gap_m = 0.0F, gap_now_m = 0.0F;
+    float impulse_ns = 0.0F, largest_ns = 0.0F, bounce_mps = 0.0F;
   };
   struct Row {
     Memory* memory = nullptr;
     int colour = 0;
+    double reach_m = 0.0;
     Side a, b;
-    Vector normal, tangent_1, tangent_2;
-    float mass = 0.0F;
-    float gap_m = 0.0F, gap_now_m = 0.0F;
-    float impulse_ns = 0.0F, largest_ns = 0.0F, bounce_mps = 0.0F;
+    Vector normal;
+    std::array<Vector, 2> tangent;
+    std::vector<Point> points;
     float friction = 0.0F;
-    Eigen::Matrix2f friction_mass;
-    Eigen::Vector2f friction_ns;
+    std::array<Arm, 2> friction_arm;  // at the middle of the points
+    float friction_mass_11 = 0.0F, friction_mass_22 = 0.0F, friction_mass_12 = 0.0F;
+    std::array<float, 2> friction_ns = {};
+    Arm twist;  // about the normal
+    float twist_mass = 0.0F, twist_lever_m = 0.0F, twist_ns = 0.0F;
   };
   struct Twist {  // linear and angular part
     Vector linear = Vector::Zero(), angular = Vector::Zero();
   };
+  using Points = std::span<const TouchingPoint>;  // of one pair
 
+  // soft_memory.cpp: which contacts the step has.
   double reach_m(std::size_t body, const State& state) const;
+  double thinner_m(std::size_t body_a, std::size_t body_b) const;
   bool still_holds(const Memory& memory, double margin_m, std::span<const State> states) const;
-  Memory found(const PointContact& contact, double reach_m, std::span<const State> states) const;
-  void remember(const std::vector<PointContact>& contacts, std::span<const State> states);
-  Side side(std::size_t body, const Eigen::Vector3d& lever_m, const State& state) const;
+  Memory found(Points points, double reach_m, std::span<const State> states) const;
+  void inherit(const Memory& old, Memory& next) const;
+  bool remember(std::span<const State> states, std::string& why);
+  bool fill_points(Row& row, std::span<const State> states) const;
   void make_rows(std::span<const State> states);
+
+  // soft_map.cpp: what they do.
+  Side side(std::size_t body, const State& state) const;
+  Arm arm(const Row& row, const Vector& lever_a, const Vector& lever_b,
+          const Vector& direction) const;
   void prepare(Row& row) const;
-  // Adds what the impulse (N s) on b along the unit vector `direction`, and its reaction, change.
-  static void push(const Row& row, const Vector& direction, float impulse_ns,
-                   std::vector<Twist>& twists);
-  // Of b against a along the unit vector `direction`, at the contact.
-  static float slip(const Row& row, const Vector& direction, const std::vector<Twist>& twists);
-  void serve(Row& row, bool biased);
+  void prepare_friction(Row& row) const;
+  static void shift(const Row& row, const Vector& direction, float impulse_ns,
+                    std::vector<Twist>& twists);
+  static void turn(const Row& row, const Arm& arm, float impulse_ns, std::vector<Twist>& twists);
+  static float apart(const Row& row, const Vector& direction, const std::vector<Twist>& twists);
+  static float turning(const Row& row, const Arm& arm, const std::vector<Twist>& twists);
+  float serve_points(Row& row, bool biased);
+  void serve_friction(Row& row, float load_ns);
+  void serve_twist(Row& row, float load_ns);
   void sweep(bool biased, bool forwards);
+  void run_substeps(std::span<const Wrench> wrenches, std::span<const State> states);
+  bool leaves_too_deep() const;
   void bounce();
   void finish(std::span<const Wrench> wrenches, std::span<State> states);
 
@@ -84,6 +122,7 @@ class SoftMap {
   std::vector<Memory> memories_;  // sorted by pair
   std::vector<Row> rows_;         // sorted by colour
   std::vector<Twist> velocity_, moved_;
+  int sweeps_ = 1;
 };
 
 }  // namespace brickbench::exact

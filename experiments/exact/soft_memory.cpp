@@ -1,0 +1,197 @@
+// Which contacts a step of the soft map has, and what they inherit from the last one.
+#include <algorithm>
+#include <limits>
+
+#include "experiments/exact/soft_map.hpp"
+
+namespace brickbench::exact {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+// Cosine between the normals of a manifold that goes on.
+constexpr double k_same_normal = 0.9;
+
+double thickness_m(const Shape& shape) {
+  if (const auto* box = std::get_if<BoxShape>(&shape)) return 2.0 * box->half_extents_m.minCoeff();
+  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return 2.0 * sphere->radius_m;
+  return k_infinity;
+}
+
+double bounding_radius_m(const Shape& shape) {
+  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
+  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
+  return k_infinity;
+}
+
+}  // namespace
+
+// How far any point of the body can move in this step.
+double SoftMap::reach_m(std::size_t body, const State& state) const {
+  const Body& fact = run_.world.bodies[body];
+  if (fact.fixed) return 0.0;
+  return run_.step_s * (state.velocity_mps.norm() +
+                        state.angular_velocity_radps.norm() * bounding_radius_m(fact.shape));
+}
+
+double SoftMap::thinner_m(std::size_t body_a, std::size_t body_b) const {
+  return std::min(thickness_m(run_.world.bodies[body_a].shape),
+                  thickness_m(run_.world.bodies[body_b].shape));
+}
+
+bool SoftMap::still_holds(const Memory& memory, double margin_m,
+                          std::span<const State> states) const {
+  const Body& a = run_.world.bodies[memory.body_a];
+  const Body& b = run_.world.bodies[memory.body_b];
+  const double bound_m = soft_.keep_share * thinner_m(memory.body_a, memory.body_b);
+  if (margin_m + 2.0 * bound_m > memory.found_within_m) return false;
+  const State& at_a = states[memory.body_a];
+  const State& at_b = states[memory.body_b];
+  const Quaterniond to_a = at_a.orientation.conjugate();
+  const Eigen::Vector4d now = (to_a * at_b.orientation).coeffs();
+  const Eigen::Vector4d then = memory.b_in_a.coeffs();
+  const Vector3d between_m = at_b.position_m - at_a.position_m;
+  const double lever_m =
+      std::min(bounding_radius_m(b.shape), between_m.norm() + bounding_radius_m(a.shape));
+  const double turn_m = 2.0 * lever_m * std::min((now - then).norm(), (now + then).norm());
+  return (to_a * between_m - memory.between_in_a_m).norm() + turn_m <= bound_m;
+}
+
+SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const State> states) const {
+  Memory memory;
+  memory.body_a = points.front().body_a;
+  memory.body_b = points.front().body_b;
+  const State& a = states[memory.body_a];
+  const State& b = states[memory.body_b];
+  const Quaterniond to_a = a.orientation.conjugate();
+  const double thin_m = thinner_m(memory.body_a, memory.body_b);
+  memory.normal_in_a = to_a * points.front().normal;
+  memory.between_in_a_m = to_a * (b.position_m - a.position_m);
+  memory.b_in_a = to_a * b.orientation;
+  memory.found_within_m = 1.5 * soft_.margin_m + reach_m + 2.0 * soft_.keep_share * thin_m;
+  for (const TouchingPoint& point : points) {
+    if (point.gap_m > memory.found_within_m) continue;
+    memory.plain = memory.plain && point.plain;
+    if (memory.count < k_points) {
+      const Vector3d on_a_m = point.position_m - point.gap_m * point.normal;
+      memory.on_a_m[memory.count] = to_a * (on_a_m - a.position_m);
+      memory.on_b_m[memory.count] = b.orientation.conjugate() * (point.position_m - b.position_m);
+    }
+    ++memory.count;
+  }
+  return memory;
+}
+
+// Each point takes the impulse of the nearest old point that is near enough to be the same.
+void SoftMap::inherit(const Memory& old, Memory& next) const {
+  if (old.normal_in_a.dot(next.normal_in_a) < k_same_normal) return;
+  const double thin_m = thinner_m(next.body_a, next.body_b);
+  std::array<bool, k_points> taken{};
+  for (std::size_t p = 0; p < next.count; ++p) {
+    std::size_t same = k_points;
+    double nearest_m = soft_.same_point_share * thin_m;
+    for (std::size_t q = 0; q < old.count; ++q) {
+      const double away_m = (old.on_b_m[q] - next.on_b_m[p]).norm();
+      if (taken[q] || !(away_m < nearest_m)) continue;
+      nearest_m = away_m;
+      same = q;
+    }
+    if (same == k_points) continue;
+    taken[same] = true;
+    next.impulse_ns[p] = old.impulse_ns[same];
+    next.friction_ns = old.friction_ns;
+    next.twist_ns = old.twist_ns;
+  }
+}
+
+// Contacts of this step with what they inherit from the last one.
+bool SoftMap::remember(std::span<const State> states, std::string& why) {
+  const std::vector<TouchingPoint> points = touching_points(run_, states, k_infinity);
+  std::vector<Memory> next;
+  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
+    const auto [body_a, body_b] = std::pair(points[begin].body_a, points[begin].body_b);
+    const auto same_pair = [&](const auto& m) { return m.body_a == body_a && m.body_b == body_b; };
+    while (end < points.size() && same_pair(points[end])) ++end;
+    const double reach = reach_m(body_a, states[body_a]) + reach_m(body_b, states[body_b]);
+    const auto old = std::ranges::find_if(memories_, same_pair);
+    const bool known = old != memories_.end();
+    if (known && still_holds(*old, soft_.margin_m + reach, states)) {
+      next.push_back(*old);
+      continue;
+    }
+    Memory memory = found(std::span(points).subspan(begin, end - begin), reach, states);
+    if (memory.count > k_points) {
+      why = "more than four corners are near: which four count is not predicted";
+      return false;
+    }
+    if (memory.count == 0) continue;
+    if (known) inherit(*old, memory);
+    next.push_back(memory);
+  }
+  memories_ = std::move(next);
+  return true;
+}
+
+// Where the points are now; whether some may close within the step.
+bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
+  const Memory& memory = *row.memory;
+  const State& a = states[memory.body_a];
+  const State& b = states[memory.body_b];
+  const ContactLaw law = contact_law(run_.world, memory.body_a, memory.body_b);
+  const Vector3d normal = a.orientation * memory.normal_in_a;
+  row.normal = normal.cast<float>();
+  row.friction = static_cast<float>(law.friction);
+  bool near = false;
+  for (std::size_t p = 0; p < memory.count; ++p) {
+    const Vector3d on_a = a.orientation * memory.on_a_m[p];
+    const Vector3d on_b = b.orientation * memory.on_b_m[p] + b.position_m - a.position_m;
+    const Vector3d lever_a = 0.5 * (on_a + on_b);
+    const Vector3d lever_b = lever_a - (b.position_m - a.position_m);
+    const double gap_m = normal.dot(on_b - on_a);
+    near = near || gap_m <= soft_.margin_m + row.reach_m;
+    Point point;
+    point.lever_a = lever_a.cast<float>();
+    point.lever_b = lever_b.cast<float>();
+    point.gap_m = point.gap_now_m = static_cast<float>(gap_m);
+    point.impulse_ns = memory.impulse_ns[p];
+    const double speed = normal.dot(b.velocity_mps + b.angular_velocity_radps.cross(lever_b) -
+                                    a.velocity_mps - a.angular_velocity_radps.cross(lever_a));
+    if (speed < -soft_.resting_approach_mps) {
+      point.bounce_mps = static_cast<float>(-law.restitution * speed);
+    }
+    row.points.push_back(point);
+  }
+  return near;
+}
+
+// One row per manifold that may close within the step, coloured greedily in the order of the pairs.
+void SoftMap::make_rows(std::span<const State> states) {
+  rows_.clear();
+  std::vector<std::vector<int>> taken(states.size());
+  for (Memory& memory : memories_) {
+    Row row;
+    row.memory = &memory;
+    row.reach_m = reach_m(memory.body_a, states[memory.body_a]) +
+                  reach_m(memory.body_b, states[memory.body_b]);
+    if (!fill_points(row, states)) {
+      memory.impulse_ns.fill(0.0F);
+      memory.friction_ns.setZero();
+      memory.twist_ns = 0.0F;
+      continue;
+    }
+    row.a = side(memory.body_a, states[memory.body_a]);
+    row.b = side(memory.body_b, states[memory.body_b]);
+    const auto used = [&](const Side& s) {
+      return !s.fixed && std::ranges::count(taken[s.body], row.colour) > 0;
+    };
+    while (used(row.a) || used(row.b)) ++row.colour;
+    for (const Side* s : {&row.a, &row.b}) taken[s->body].push_back(row.colour);
+    prepare(row);
+    rows_.push_back(row);
+  }
+  std::ranges::stable_sort(rows_, {}, &Row::colour);
+}
+
+}  // namespace brickbench::exact
