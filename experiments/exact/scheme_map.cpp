@@ -100,13 +100,15 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
                                                   const Scheme& scheme, std::string* why) {
   std::string reason;
   std::string& out = why == nullptr ? reason : *why;
-  if (exact_case.needs.contacts != Contacts::none && !run.geometry) {
+  const bool touching = exact_case.needs.contacts != Contacts::none;
+  if (touching && !run.geometry && !scheme.soft) {
     out = "no closed map: several contacts share the load";
     return std::nullopt;
   }
   Recorder recorder(run, exact_case.observables.size());
   std::optional<SoftMap> soft;
-  if (scheme.soft && run.geometry) soft.emplace(scheme, run);
+  if (scheme.soft && touching) soft.emplace(scheme, run);
+  std::vector<Contact> contacts;
   std::vector<State> states;
   for (const Body& body : run.world.bodies) states.push_back(body.initial);
   std::vector<Wrench> wrenches(states.size());
@@ -122,6 +124,7 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
     if (run.load) run.load(step, start_s, wrenches);
     if (soft) {
       if (!soft->advance(wrenches, states, out)) return std::nullopt;
+      contacts = soft->contacts();
     } else if (!advance(scheme, run, wrenches, states, out)) {
       return std::nullopt;
     }
@@ -129,7 +132,7 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
                   .time_s = static_cast<double>(step + 1) * run.step_s,
                   .states = states,
                   .wrenches = wrenches,
-                  .contacts = nullptr,
+                  .contacts = soft ? &contacts : nullptr,
                   .diagnostics = {}});
   }
   return recorder.values();

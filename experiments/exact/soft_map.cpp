@@ -44,7 +44,9 @@ SoftMap::SoftMap(const Scheme& scheme, const ExactRun& run)
       soft_(*scheme.soft),
       run_(run),
       velocity_(run.world.bodies.size()),
-      moved_(run.world.bodies.size()) {}
+      moved_(run.world.bodies.size()) {
+  if (!run_.geometry) run_.geometry = all_pairs(run_.world);
+}
 
 SoftMap::Side SoftMap::side(std::size_t body, const State& state) const {
   const Body& fact = run_.world.bodies[body];
@@ -239,6 +241,15 @@ void SoftMap::sweep(bool biased, bool forwards) {
   }
 }
 
+// What the last sweep of a sub-step holds is what the sub-step applied.
+void SoftMap::count() {
+  for (Row& row : rows_) {
+    for (Point& point : row.points) point.total_ns += point.impulse_ns;
+    for (std::size_t k = 0; k < 2; ++k) row.friction_total_ns[k] += row.friction_ns[k];
+    row.twist_total_ns += row.twist_ns;
+  }
+}
+
 // Newton's law for the points that were struck during the step.
 void SoftMap::bounce() {
   for (Row& row : rows_) {
@@ -250,6 +261,7 @@ void SoftMap::bounce() {
           std::max(point.impulse_ns - point.mass * (speed_mps - point.bounce_mps), 0.0F);
       const float change_ns = next_ns - point.impulse_ns;
       point.impulse_ns = next_ns;
+      point.total_ns += change_ns;
       shift(row, row.normal, change_ns, velocity_);
       turn(row, point.arm, change_ns, velocity_);
     }
@@ -342,6 +354,7 @@ void SoftMap::run_substeps(std::span<const Wrench> wrenches, std::span<const Sta
       moved_[i].angular += static_cast<float>(h) * velocity_[i].angular;
     });
     for (int k = 0; k < sweeps_; ++k) sweep(false, (s + k) % 2 != 0);
+    count();
     for_twists([&](std::size_t i) {
       carried[i] = {velocity_[i].linear - carried[i].linear,
                     velocity_[i].angular - carried[i].angular};
@@ -367,6 +380,30 @@ bool SoftMap::advance(std::span<const Wrench> wrenches, std::span<State> states,
   bounce();
   finish(wrenches, states);
   return true;
+}
+
+std::vector<Contact> SoftMap::contacts() const {
+  std::vector<Contact> contacts;
+  for (const Row& row : rows_) {
+    const double share = 1.0 / static_cast<double>(row.points.size());
+    Vector3d middle = Vector3d::Zero();
+    for (const Point& point : row.points) middle += share * point.view.position_m;
+    double squares = 0.0;
+    for (const Point& point : row.points) {
+      squares += (point.view.position_m - middle).squaredNorm();
+    }
+    const Vector friction =
+        row.friction_total_ns[0] * row.tangent[0] + row.friction_total_ns[1] * row.tangent[1];
+    const double turn = squares > 0.0 ? row.twist_total_ns / squares : 0.0;
+    for (const Point& point : row.points) {
+      const Vector3d normal = row.normal.cast<double>();
+      Contact contact = point.view;
+      contact.impulse_ns = point.total_ns * normal + share * friction.cast<double>() +
+                           turn * normal.cross(contact.position_m - middle);
+      contacts.push_back(contact);
+    }
+  }
+  return contacts;
 }
 
 }  // namespace brickbench::exact

@@ -9,21 +9,30 @@
 #include <vector>
 
 #include "adapters/seam/scheme.hpp"
+#include "adapters/seam/simulation.hpp"
 #include "experiments/exact/exact_case.hpp"
 #include "experiments/exact/sequential_map.hpp"
 
 namespace brickbench::exact {
 
+// The contacts of all pairs of which one moves. Boxes meet on the first one's face of largest gap.
+// Empty where a pair is not listed: a second body must be a ball, or a box on a box or a plane.
+ContactGeometry all_pairs(const World& world);
+
 // A run of the map. The contacts of a step start from the impulses of the last one, so it has a
-// memory, unlike the maps of scheme_map.hpp. The run and the scheme, which states a soft contact,
-// must outlive it.
+// memory, unlike the maps of scheme_map.hpp. The scheme, which states a soft contact, must outlive
+// it.
 class SoftMap {
  public:
   SoftMap(const Scheme& scheme, const ExactRun& run);
 
   // Advances all states (bodies) by one step; false, with a reason, where the scheme leaves it
-  // open. The points of a pair are those of touching_points(), in that order.
+  // open. The points of a pair are those of touching_points(), in that order; where the case names
+  // no contacts, all pairs are looked at.
   bool advance(std::span<const Wrench> wrenches, std::span<State> states, std::string& why);
+
+  // What the last step applied: friction shared evenly, the twist in proportion to the distance.
+  std::vector<Contact> contacts() const;
 
   // How often a sub-step's sweeps were repeated in the last step: twice as often as long as they
   // leave a known contact too deep, up to 8.
@@ -42,7 +51,7 @@ class SoftMap {
     Eigen::Vector3d between_in_a_m;
     Eigen::Quaterniond b_in_a;
     double found_within_m = 0.0;
-    bool plain = true;                            // TouchingPoint::plain of all points
+    bool plain = true;  // false: other points than corners of b on a face of a
     std::array<float, k_points> impulse_ns = {};  // per sub-step
     Vector friction_ns = Vector::Zero();
     float twist_ns = 0.0F;
@@ -65,6 +74,8 @@ class SoftMap {
     float mass = 0.0F;
     float gap_m = 0.0F, gap_now_m = 0.0F;
     float impulse_ns = 0.0F, largest_ns = 0.0F, bounce_mps = 0.0F;
+    float total_ns = 0.0F;  // of the step
+    Contact view;           // at the start of the step
   };
   struct Row {
     Memory* memory = nullptr;
@@ -77,9 +88,10 @@ class SoftMap {
     float friction = 0.0F;
     std::array<Arm, 2> friction_arm;  // at the middle of the points
     float friction_mass_11 = 0.0F, friction_mass_22 = 0.0F, friction_mass_12 = 0.0F;
-    std::array<float, 2> friction_ns = {};
+    std::array<float, 2> friction_ns = {}, friction_total_ns = {};
     Arm twist;  // about the normal
     float twist_mass = 0.0F, twist_lever_m = 0.0F, twist_ns = 0.0F;
+    float twist_total_ns = 0.0F;
   };
   struct Twist {  // linear and angular part
     Vector linear = Vector::Zero(), angular = Vector::Zero();
@@ -111,6 +123,7 @@ class SoftMap {
   void serve_friction(Row& row, float load_ns);
   void serve_twist(Row& row, float load_ns);
   void sweep(bool biased, bool forwards);
+  void count();
   void run_substeps(std::span<const Wrench> wrenches, std::span<const State> states);
   bool leaves_too_deep() const;
   void bounce();
@@ -118,7 +131,7 @@ class SoftMap {
 
   const Scheme& scheme_;
   const SoftContact& soft_;
-  const ExactRun& run_;
+  ExactRun run_;                  // with a geometry of all pairs where the case has none
   std::vector<Memory> memories_;  // sorted by pair
   std::vector<Row> rows_;         // sorted by colour
   std::vector<Twist> velocity_, moved_;

@@ -14,6 +14,14 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 // Cosine between the normals of a manifold that goes on.
 constexpr double k_same_normal = 0.9;
 
+// Of the thinnest edge of two boxes: by how much an axis of edges must win over those of faces, and
+// a face of the second box over those of the first; and how far outside a border a corner is still
+// inside.
+constexpr double k_axis_bias = 1e-3;
+constexpr double k_border = 1e-6;
+// |a x b|^2 of edges that count as parallel.
+constexpr double k_parallel = 1e-6;
+
 double thickness_m(const Shape& shape) {
   if (const auto* box = std::get_if<BoxShape>(&shape)) return 2.0 * box->half_extents_m.minCoeff();
   if (const auto* sphere = std::get_if<SphereShape>(&shape)) return 2.0 * sphere->radius_m;
@@ -26,7 +34,111 @@ double bounding_radius_m(const Shape& shape) {
   return k_infinity;
 }
 
+const BoxShape* box_of(const World& world, std::size_t i) {
+  return std::get_if<BoxShape>(&world.bodies[i].shape);
+}
+
+// What the separating axes of two boxes say: the largest gap, and whether it is that of a face of
+// the first. S. Gottschalk, M. Lin, D. Manocha, OBBTree, SIGGRAPH 1996, section 5.
+struct Separation {
+  double gap_m = -k_infinity;
+  bool face_of_a = true;
+  Vector3d normal_in_a = Vector3d::UnitZ();
+};
+
+Separation separation(const Vector3d& half_a, const State& at_a, const Vector3d& half_b,
+                      const State& at_b) {
+  const Eigen::Matrix3d a = at_a.orientation.toRotationMatrix();
+  const Eigen::Matrix3d b = at_b.orientation.toRotationMatrix();
+  const Vector3d between_m = at_b.position_m - at_a.position_m;
+  const auto gap = [&](const Vector3d& axis) {
+    return std::abs(axis.dot(between_m)) - half_a.dot((a.transpose() * axis).cwiseAbs()) -
+           half_b.dot((b.transpose() * axis).cwiseAbs());
+  };
+  const double bias_m = k_axis_bias * 2.0 * std::min(half_a.minCoeff(), half_b.minCoeff());
+  Separation best;
+  double best_b_m = -k_infinity;
+  for (int k = 0; k < 3; ++k) {
+    if (gap(a.col(k)) > best.gap_m) {
+      const double side = a.col(k).dot(between_m) < 0.0 ? -1.0 : 1.0;
+      best = {gap(a.col(k)), true, side * Vector3d::Unit(k)};
+    }
+    best_b_m = std::max(best_b_m, gap(b.col(k)));
+  }
+  if (best_b_m > best.gap_m + bias_m) {
+    best.gap_m = best_b_m;
+    best.face_of_a = false;
+  }
+  double to_beat_m = best.gap_m + bias_m;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const Vector3d across = a.col(i).cross(b.col(j));
+      if (across.squaredNorm() < k_parallel) continue;
+      const double gap_m = gap(across.normalized());
+      if (gap_m <= to_beat_m) continue;
+      best.gap_m = to_beat_m = gap_m;
+      best.face_of_a = false;
+    }
+  }
+  return best;
+}
+
+// The point of b that is closest to a, where one of them is a ball.
+void add_ball(const World& world, std::span<const State> states, PointContact contact,
+              std::vector<PointContact>& contacts) {
+  const Shape& shape_a = world.bodies[contact.body_a].shape;
+  const State& a = states[contact.body_a];
+  const Vector3d centre = states[contact.body_b].position_m;
+  const double radius_m = std::get<SphereShape>(world.bodies[contact.body_b].shape).radius_m;
+  const Vector3d local = a.orientation.conjugate() * (centre - a.position_m);
+  Vector3d nearest = Vector3d::Zero();
+  double round_m = radius_m;
+  if (const auto* box = std::get_if<BoxShape>(&shape_a)) {
+    nearest = local.cwiseMax(-box->half_extents_m).cwiseMin(box->half_extents_m);
+  } else if (const auto* ball = std::get_if<SphereShape>(&shape_a)) {
+    round_m += ball->radius_m;
+  } else {
+    nearest = Vector3d(local.x(), local.y(), 0.0);
+  }
+  contact.normal = a.orientation * (local - nearest).normalized();
+  contact.gap_m = (local - nearest).norm() - round_m;
+  contact.position_m = centre - radius_m * contact.normal;
+  contacts.push_back(contact);
+}
+
 }  // namespace
+
+ContactGeometry all_pairs(const World& world) {
+  for (std::size_t b = 1; b < world.bodies.size(); ++b) {
+    const bool box = box_of(world, b) != nullptr;
+    if (std::holds_alternative<SphereShape>(world.bodies[b].shape)) continue;
+    for (std::size_t a = 0; a < b; ++a) {
+      const bool ball = std::holds_alternative<SphereShape>(world.bodies[a].shape);
+      const bool fixed = world.bodies[a].fixed && world.bodies[b].fixed;
+      if (!fixed && (ball || !box)) return nullptr;
+    }
+  }
+  return [world](std::span<const State> states, std::vector<PointContact>& contacts) {
+    for (std::size_t b = 1; b < world.bodies.size(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        if (world.bodies[a].fixed && world.bodies[b].fixed) continue;
+        PointContact contact{.body_a = a, .body_b = b};
+        const BoxShape* box_a = box_of(world, a);
+        const BoxShape* box_b = box_of(world, b);
+        if (std::holds_alternative<SphereShape>(world.bodies[b].shape)) {
+          add_ball(world, states, contact, contacts);
+          continue;
+        }
+        if (box_a != nullptr && box_b != nullptr) {
+          contact.normal = states[a].orientation * separation(box_a->half_extents_m, states[a],
+                                                              box_b->half_extents_m, states[b])
+                                                       .normal_in_a;
+        }
+        contacts.push_back(contact);
+      }
+    }
+  };
+}
 
 // How far any point of the body can move in this step.
 double SoftMap::reach_m(std::size_t body, const State& state) const {
@@ -71,9 +183,16 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
   memory.between_in_a_m = to_a * (b.position_m - a.position_m);
   memory.b_in_a = to_a * b.orientation;
   memory.found_within_m = 1.5 * soft_.margin_m + reach_m + 2.0 * soft_.keep_share * thin_m;
+  const BoxShape* box_a = box_of(run_.world, memory.body_a);
+  const BoxShape* box_b = box_of(run_.world, memory.body_b);
+  if (box_a != nullptr && box_b != nullptr) {
+    const Separation between = separation(box_a->half_extents_m, a, box_b->half_extents_m, b);
+    if (between.gap_m > memory.found_within_m) return memory;
+    memory.plain = between.face_of_a;
+  }
   for (const TouchingPoint& point : points) {
     if (point.gap_m > memory.found_within_m) continue;
-    memory.plain = memory.plain && point.plain;
+    memory.plain = memory.plain && point.room_m >= -k_border * thin_m;
     if (memory.count < k_points) {
       const Vector3d on_a_m = point.position_m - point.gap_m * point.normal;
       memory.on_a_m[memory.count] = to_a * (on_a_m - a.position_m);
@@ -108,6 +227,10 @@ void SoftMap::inherit(const Memory& old, Memory& next) const {
 
 // Contacts of this step with what they inherit from the last one.
 bool SoftMap::remember(std::span<const State> states, std::string& why) {
+  if (!run_.geometry) {
+    why = "a box on a ball, or a plane made last, is not listed";
+    return false;
+  }
   const std::vector<TouchingPoint> points = touching_points(run_, states, k_infinity);
   std::vector<Memory> next;
   for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
@@ -156,6 +279,8 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     point.lever_b = lever_b.cast<float>();
     point.gap_m = point.gap_now_m = static_cast<float>(gap_m);
     point.impulse_ns = memory.impulse_ns[p];
+    point.view = {memory.body_a, memory.body_b, a.position_m + lever_a,
+                  normal,        gap_m,         Vector3d::Zero()};
     const double speed = normal.dot(b.velocity_mps + b.angular_velocity_radps.cross(lever_b) -
                                     a.velocity_mps - a.angular_velocity_radps.cross(lever_a));
     if (speed < -soft_.resting_approach_mps) {

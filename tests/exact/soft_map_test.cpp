@@ -32,6 +32,9 @@ constexpr Tolerance k_push = {"overlap left after one sub-step", 1.4e-7, 7e-9,
 constexpr Tolerance k_corners = {"eight pushes in single precision", 4e-7, 3.8e-8,
                                  "roundings of eight pushes"};
 
+constexpr Tolerance k_weight = {"impulses of a stack at rest", 1.2e-6, 1.2e-7,
+                                "single precision of the impulses"};
+
 Scheme soft_scheme() {
   Scheme scheme;
   scheme.position = PositionRule::mean_velocity;
@@ -229,6 +232,50 @@ TEST(SoftMap, RepeatsSweepsThatLeaveAFaceTooDeep) {
   };
   EXPECT_EQ(sweeps(2.0), 8);
   EXPECT_EQ(sweeps(0.05), 1);
+}
+
+// Two bricks, neither named as a contact, the upper one shifted but within the lower one's face.
+ExactRun stack(double shift_m) {
+  ExactRun run = brick_on_slab({.friction = 0.5, .restitution = 0.0}, {0, 0, 0}, {0, 0, 0});
+  run.world.bodies.push_back(box("upper", Vector3d(0.1, 0.1, 0.05), 1.0, at({shift_m, 0.0, 0.25})));
+  run.geometry = nullptr;
+  return run;
+}
+
+TEST(SoftMap, FindsAStackAndTellsItsForces) {
+  const ExactRun run = stack(0.05);
+  const Scheme scheme = soft_scheme();
+  SoftMap map(scheme, run);
+  std::vector<State> states;
+  for (const Body& body : run.world.bodies) states.push_back(body.initial);
+  std::string why;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(map.advance(std::vector<Wrench>(3), states, why)) << why;
+  }
+  const std::vector<Contact> contacts = map.contacts();
+  Sample sample;
+  sample.contacts = &contacts;
+  const double weight_ns = 3.0 * k_gravity_mps2 * run.step_s;
+  Worst worst;
+  worst.see(pair_impulse_ns(sample, 0, 1).z() / weight_ns - 1.0, "both on the slab");
+  worst.see(3.0 * pair_impulse_ns(sample, 1, 2).z() / weight_ns - 1.0, "the upper on the lower");
+  EXPECT_TRUE(worst.within(k_weight));
+}
+
+TEST(SoftMap, SaysWhatItDoesNotList) {
+  const Scheme scheme = soft_scheme();
+  const auto reason = [&](const ExactRun& run) {
+    SoftMap map(scheme, run);
+    std::vector<State> states;
+    for (const Body& body : run.world.bodies) states.push_back(body.initial);
+    std::string why;
+    EXPECT_FALSE(map.advance(std::vector<Wrench>(3), states, why));
+    return why;
+  };
+  EXPECT_NE(reason(stack(0.15)).find("border"), std::string::npos);
+  ExactRun on_ball = stack(0.0);
+  on_ball.world.bodies[1] = ball("ball", k_radius_m, k_mass_kg, at({0.0, 0.0, k_radius_m}));
+  EXPECT_NE(reason(on_ball).find("ball"), std::string::npos);
 }
 
 }  // namespace
