@@ -234,7 +234,7 @@ bool SoftMap::remember(std::span<const State> states, std::string& why) {
   const std::vector<TouchingPoint> points = touching_points(run_, states, k_infinity);
   std::vector<Memory> next;
   for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
-    const auto [body_a, body_b] = std::pair(points[begin].body_a, points[begin].body_b);
+    const std::size_t body_a = points[begin].body_a, body_b = points[begin].body_b;
     const auto same_pair = [&](const auto& m) { return m.body_a == body_a && m.body_b == body_b; };
     while (end < points.size() && same_pair(points[end])) ++end;
     const double reach = reach_m(body_a, states[body_a]) + reach_m(body_b, states[body_b]);
