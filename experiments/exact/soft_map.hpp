@@ -51,7 +51,7 @@ class SoftMap {
     Eigen::Vector3d between_in_a_m;
     Eigen::Quaterniond b_in_a;
     double found_within_m = 0.0;
-    bool plain = true;  // false: other points than corners of b on a face of a
+    bool listed = true;  // false: edges cross, or b shows a face, and may close within the step
     std::array<float, k_points> impulse_ns = {};  // per sub-step
     Vector friction_ns = Vector::Zero();
     float twist_ns = 0.0F;

@@ -83,6 +83,68 @@ Separation separation(const Vector3d& half_a, const State& at_a, const Vector3d&
   return best;
 }
 
+// Keeps what is within sign * corner[axis] <= limit. I. Sutherland, G. Hodgman, Reentrant polygon
+// clipping, CACM 17, 1974.
+std::vector<Vector3d> clipped(const std::vector<Vector3d>& corners, Eigen::Index axis, double sign,
+                              double limit_m, double slack_m) {
+  std::vector<Vector3d> kept;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector3d& here = corners[i];
+    const Vector3d& next = corners[(i + 1) % corners.size()];
+    const double from_m = sign * here[axis] - limit_m, to_m = sign * next[axis] - limit_m;
+    if (from_m <= slack_m) kept.push_back(here);
+    if ((from_m <= slack_m) == (to_m <= slack_m)) continue;
+    kept.push_back(here + std::clamp(from_m / (from_m - to_m), 0.0, 1.0) * (next - here));
+  }
+  return kept;
+}
+
+// Corners of b on a face of the box a; those outside its border give way to where their face's
+// edges cross it.
+std::vector<TouchingPoint> within_border(std::span<const TouchingPoint> points, const State& a,
+                                         const Vector3d& half_m, double slack_m) {
+  const auto outside = [&](const TouchingPoint& p) { return p.room_m < -slack_m; };
+  if (std::ranges::none_of(points, outside)) return {points.begin(), points.end()};
+  Eigen::Index face = 0;
+  const Vector3d up = a.orientation.conjugate() * points.front().normal;
+  up.cwiseAbs().maxCoeff(&face);
+  std::vector<Vector3d> corners;
+  for (const TouchingPoint& point : points) {
+    corners.push_back(a.orientation.conjugate() * (point.position_m - a.position_m));
+  }
+  for (const Eigen::Index axis : {(face + 1) % 3, (face + 2) % 3}) {
+    for (const double sign : {1.0, -1.0}) {
+      corners = clipped(corners, axis, sign, half_m[axis], slack_m);
+    }
+  }
+  std::vector<TouchingPoint> inside;
+  for (const Vector3d& corner : corners) {
+    TouchingPoint point = points.front();
+    point.position_m = a.position_m + a.orientation * corner;
+    point.gap_m = up.dot(corner) - half_m[face];
+    inside.push_back(point);
+  }
+  return inside;
+}
+
+// The deepest, the one furthest from it, and those that span most area with the two on either side.
+std::vector<TouchingPoint> four_of(const std::vector<TouchingPoint>& points) {
+  const auto middle_m = [](const TouchingPoint& p) -> Vector3d {
+    return p.position_m - 0.5 * p.gap_m * p.normal;
+  };
+  const TouchingPoint& deepest = *std::ranges::min_element(points, {}, &TouchingPoint::gap_m);
+  const auto away_m = [&](const TouchingPoint& p) -> Vector3d {
+    return middle_m(p) - middle_m(deepest);
+  };
+  const TouchingPoint& furthest = *std::ranges::max_element(
+      points, {}, [&](const TouchingPoint& p) { return away_m(p).squaredNorm(); });
+  const auto area = [&](const TouchingPoint& p) {
+    return away_m(furthest).cross(away_m(p)).dot(deepest.normal);
+  };
+  return {deepest, furthest, *std::ranges::max_element(points, {}, area),
+          *std::ranges::min_element(points, {}, area)};
+}
+
 // The point of b that is closest to a, where one of them is a ball.
 void add_ball(const World& world, std::span<const State> states, PointContact contact,
               std::vector<PointContact>& contacts) {
@@ -185,19 +247,20 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
   memory.found_within_m = 1.5 * soft_.margin_m + reach_m + 2.0 * soft_.keep_share * thin_m;
   const BoxShape* box_a = box_of(run_.world, memory.body_a);
   const BoxShape* box_b = box_of(run_.world, memory.body_b);
+  std::vector<TouchingPoint> near(points.begin(), points.end());
   if (box_a != nullptr && box_b != nullptr) {
     const Separation between = separation(box_a->half_extents_m, a, box_b->half_extents_m, b);
     if (between.gap_m > memory.found_within_m) return memory;
-    memory.plain = between.face_of_a;
+    memory.listed = between.face_of_a || between.gap_m > reach_m;
+    if (!between.face_of_a) memory.found_within_m = 0.0;  // looked at again in every step
+    near = within_border(points, a, box_a->half_extents_m, k_border * thin_m);
   }
-  for (const TouchingPoint& point : points) {
-    if (point.gap_m > memory.found_within_m) continue;
-    memory.plain = memory.plain && point.room_m >= -k_border * thin_m;
-    if (memory.count < k_points) {
-      const Vector3d on_a_m = point.position_m - point.gap_m * point.normal;
-      memory.on_a_m[memory.count] = to_a * (on_a_m - a.position_m);
-      memory.on_b_m[memory.count] = b.orientation.conjugate() * (point.position_m - b.position_m);
-    }
+  std::erase_if(near, [&](const TouchingPoint& p) { return p.gap_m > memory.found_within_m; });
+  if (near.size() > k_points) near = four_of(near);
+  for (const TouchingPoint& point : near) {
+    const Vector3d on_a_m = point.position_m - point.gap_m * point.normal;
+    memory.on_a_m[memory.count] = to_a * (on_a_m - a.position_m);
+    memory.on_b_m[memory.count] = b.orientation.conjugate() * (point.position_m - b.position_m);
     ++memory.count;
   }
   return memory;
@@ -245,8 +308,8 @@ bool SoftMap::remember(std::span<const State> states, std::string& why) {
       continue;
     }
     Memory memory = found(std::span(points).subspan(begin, end - begin), reach, states);
-    if (memory.count > k_points) {
-      why = "more than four corners are near: which four count is not predicted";
+    if (!memory.listed) {
+      why = "boxes meet with crossing edges or a face of the second one, which are not listed";
       return false;
     }
     if (memory.count == 0) continue;

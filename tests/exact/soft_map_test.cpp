@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "experiments/exact/builders.hpp"
 #include "experiments/exact/scheme_map.hpp"
@@ -234,7 +235,7 @@ TEST(SoftMap, RepeatsSweepsThatLeaveAFaceTooDeep) {
   EXPECT_EQ(sweeps(0.05), 1);
 }
 
-// Two bricks, neither named as a contact, the upper one shifted but within the lower one's face.
+// Two bricks, neither named as a contact; shifted by more than 0.1 m the upper one overhangs.
 ExactRun stack(double shift_m) {
   ExactRun run = brick_on_slab({.friction = 0.5, .restitution = 0.0}, {0, 0, 0}, {0, 0, 0});
   run.world.bodies.push_back(box("upper", Vector3d(0.1, 0.1, 0.05), 1.0, at({shift_m, 0.0, 0.25})));
@@ -243,22 +244,30 @@ ExactRun stack(double shift_m) {
 }
 
 TEST(SoftMap, FindsAStackAndTellsItsForces) {
-  const ExactRun run = stack(0.05);
-  const Scheme scheme = soft_scheme();
-  SoftMap map(scheme, run);
-  std::vector<State> states;
-  for (const Body& body : run.world.bodies) states.push_back(body.initial);
-  std::string why;
-  for (int k = 0; k < 100; ++k) {
-    ASSERT_TRUE(map.advance(std::vector<Wrench>(3), states, why)) << why;
-  }
-  const std::vector<Contact> contacts = map.contacts();
-  Sample sample;
-  sample.contacts = &contacts;
-  const double weight_ns = 3.0 * k_gravity_mps2 * run.step_s;
   Worst worst;
-  worst.see(pair_impulse_ns(sample, 0, 1).z() / weight_ns - 1.0, "both on the slab");
-  worst.see(3.0 * pair_impulse_ns(sample, 1, 2).z() / weight_ns - 1.0, "the upper on the lower");
+  for (const double shift_m : {0.05, 0.15}) {
+    const ExactRun run = stack(shift_m);
+    const Scheme scheme = soft_scheme();
+    SoftMap map(scheme, run);
+    std::vector<State> states;
+    for (const Body& body : run.world.bodies) states.push_back(body.initial);
+    std::string why;
+    for (int k = 0; k < 200; ++k) {
+      ASSERT_TRUE(map.advance(std::vector<Wrench>(3), states, why)) << why;
+    }
+    const std::vector<Contact> contacts = map.contacts();
+    Sample sample;
+    sample.contacts = &contacts;
+    const double weight_ns = 3.0 * k_gravity_mps2 * run.step_s;
+    worst.see(pair_impulse_ns(sample, 0, 1).z() / weight_ns - 1.0, "both on the slab");
+    worst.see(3.0 * pair_impulse_ns(sample, 1, 2).z() / weight_ns - 1.0, "the upper on the lower");
+    // The upper one rests up to the border of the lower one, and no further.
+    double reach_m = 0.0;
+    for (const Contact& contact : contacts) {
+      if (contact.body_a == 1) reach_m = std::max(reach_m, contact.position_m.x());
+    }
+    worst.see(reach_m - std::min(0.2, shift_m + 0.1), "border");
+  }
   EXPECT_TRUE(worst.within(k_weight));
 }
 
@@ -272,7 +281,15 @@ TEST(SoftMap, SaysWhatItDoesNotList) {
     EXPECT_FALSE(map.advance(std::vector<Wrench>(3), states, why));
     return why;
   };
-  EXPECT_NE(reason(stack(0.15)).find("border"), std::string::npos);
+  ExactRun crossed = stack(0.0);
+  crossed.world.gravity_mps2.setZero();
+  const Vector3d half_m(0.1, 0.1, 0.1);
+  State lower = at({0.0, 0.0, 1.0}), upper = at({0.0, 0.0, 1.282}, {0.0, 0.0, -1.0});
+  lower.orientation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vector3d::UnitX());
+  upper.orientation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vector3d::UnitY());
+  crossed.world.bodies = {floor_slab(), box("lower", half_m, 1.0, lower),
+                          box("upper", half_m, 1.0, upper)};
+  EXPECT_NE(reason(crossed).find("edges"), std::string::npos);
   ExactRun on_ball = stack(0.0);
   on_ball.world.bodies[1] = ball("ball", k_radius_m, k_mass_kg, at({0.0, 0.0, k_radius_m}));
   EXPECT_NE(reason(on_ball).find("ball"), std::string::npos);
