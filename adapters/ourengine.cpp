@@ -41,7 +41,7 @@ std::vector<Entry> entries() {
       {{"lcp", "the paper's frictionless law at velocity level; solver selectable"},
        rows(k_exact_knobs, k_lcp_knobs),
        &build_ourengine_lcp},
-      {{"fast", "soft contacts in small sub-steps, eight manifolds at a time"},
+      {{"fast", "soft contacts in small sub-steps, sixteen manifolds at a time"},
        rows(k_fast_knobs),
        &build_ourengine_fast},
       {{"baraff", "the paper's system; overlaps are undone; Dantzig pivoting, frictionless"},

@@ -237,18 +237,21 @@ TEST_F(Program, DoctorKnowsTheMachine) {
 
 TEST_F(Program, AllPlansThatShipAreReadAndExpanded) {
   if (!any_engine()) GTEST_SKIP() << "no engine is linked";
-  std::string wrong;
+  std::string wrong, left_out;
   std::size_t count = 0;
   for (const auto& entry : fs::directory_iterator("experiments/plans")) {
     ++count;
     const auto plan = read_plan(entry.path(), linked());
-    if (!plan)
+    if (!plan && plan.error().text().find("is not linked in this build") != std::string::npos)
+      left_out += plan.error().text() + '\n';
+    else if (!plan)
       wrong += plan.error().text() + '\n';
     else if (const auto cells = expand(*plan, linked()); !cells)
       wrong += cells.error().text() + '\n';
   }
   EXPECT_EQ(wrong, "");
   EXPECT_GE(count, 2U);
+  if (!left_out.empty()) GTEST_SKIP() << "not read beyond engines left out:\n" << left_out;
 }
 
 TEST_F(Program, ExamplesOfTheDocumentationAreValid) {

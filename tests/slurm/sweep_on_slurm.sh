@@ -36,7 +36,9 @@ duration_s = 2.0
 seeds = SEEDS
 perturb = { position_m = 1e-3, angle_rad = 1e-3 }
 PLAN
-sed -i "s/SEEDS/${SWEEP_SEEDS:-40}/" "$plan"
+# As many cells whatever engines are linked: the array must last long enough to lose a task.
+engines=$("$program" list engines --json | grep -c '"precision"')
+sed -i "s/SEEDS/${SWEEP_SEEDS:-$((160 / engines))}/" "$plan"
 shards=4
 
 fail() { echo "FAILED: $*"; exit 1; }
