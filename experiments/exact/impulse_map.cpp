@@ -211,7 +211,83 @@ void shift_split(const Scheme& scheme, const World& world, const Row& row,
   move(contact.body_b, 1.0);
 }
 
+bool is_edge_on_plane(const World& world, const PointContact& contact) {
+  return contact.points > 1 &&
+         std::holds_alternative<PlaneShape>(world.bodies[contact.body_a].shape) &&
+         std::holds_alternative<BoxShape>(world.bodies[contact.body_b].shape);
+}
+
+// A corner of a box that a plane keeps in mind.
+struct SeenCorner {
+  std::size_t plane = 0, box = 0;
+  Vector3d corner_m = Vector3d::Zero();    // box frame
+  Vector3d on_plane_m = Vector3d::Zero();  // below it, when it was seen last
+};
+
+constexpr std::size_t k_most_corners = 4;
+
+// One step of what the plane of `contact` sees and forgets; false if it sees too many.
+bool look_from_plane(const ImpulseContact& law, const World& world, const PointContact& contact,
+                     std::span<const State> states, std::vector<SeenCorner>& seen) {
+  const State& plane = states[contact.body_a];
+  const State& box = states[contact.body_b];
+  const double reach_m = margin_m(law, world, contact);
+  const auto same = [&](const SeenCorner& s) {
+    return s.plane == contact.body_a && s.box == contact.body_b;
+  };
+  const auto gap_m = [&](const SeenCorner& s) {
+    return contact.normal.dot(box.position_m + box.orientation * s.corner_m - plane.position_m);
+  };
+  const auto below_m = [&](const SeenCorner& s) -> Vector3d {
+    return box.position_m + box.orientation * s.corner_m - gap_m(s) * contact.normal;
+  };
+  SeenCorner now{.plane = contact.body_a, .box = contact.body_b};
+  const Vector3d down = box.orientation.conjugate() * -contact.normal;
+  const Vector3d& half_m = std::get<BoxShape>(world.bodies[contact.body_b].shape).half_extents_m;
+  for (Eigen::Index k = 0; k < 3; ++k) now.corner_m[k] = down[k] >= 0.0 ? half_m[k] : -half_m[k];
+  now.on_plane_m = below_m(now);
+  if (gap_m(now) < reach_m) {
+    const auto old = std::ranges::find_if(seen, [&](const SeenCorner& s) {
+      return same(s) && (s.corner_m - now.corner_m).norm() < reach_m;
+    });
+    if (old != seen.end()) {
+      *old = now;
+    } else {
+      seen.push_back(now);
+    }
+  }
+  std::erase_if(seen, [&](const SeenCorner& s) {
+    return same(s) && (gap_m(s) > reach_m || (below_m(s) - s.on_plane_m).norm() > reach_m);
+  });
+  return static_cast<std::size_t>(std::ranges::count_if(seen, same)) <= k_most_corners;
+}
+
 }  // namespace
+
+ContactGeometry corner_by_corner(const ImpulseContact& law, const ExactRun& run) {
+  return [&law, &run, seen = std::vector<SeenCorner>()](
+             std::span<const State> states, std::vector<PointContact>& contacts) mutable {
+    std::vector<PointContact> all;
+    run.geometry(states, all);
+    for (const PointContact& contact : all) {
+      if (!is_edge_on_plane(run.world, contact) ||
+          !look_from_plane(law, run.world, contact, states, seen)) {
+        contacts.push_back(contact);
+        continue;
+      }
+      for (const SeenCorner& corner : seen) {
+        if (corner.plane != contact.body_a || corner.box != contact.body_b) continue;
+        const State& box = states[corner.box];
+        PointContact point = contact;
+        point.points = 1;
+        point.central = false;
+        point.position_m = box.position_m + box.orientation * corner.corner_m;
+        point.gap_m = contact.normal.dot(point.position_m - states[corner.plane].position_m);
+        contacts.push_back(point);
+      }
+    }
+  };
+}
 
 bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                      const std::vector<PointContact>& contacts, std::span<State> states,
@@ -230,11 +306,10 @@ bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const 
       states[i].angular_velocity_radps = free.angular_velocity_radps;
     }
   }
-  const auto corner_by_corner = [&](const PointContact& contact) {
-    return contact.points > 1 && std::isfinite(scheme.impulse->plane_reach_share) &&
-           std::holds_alternative<PlaneShape>(run.world.bodies[contact.body_a].shape);
+  const auto unseen = [&](const PointContact& contact) {
+    return std::isfinite(scheme.impulse->plane_reach_share) && is_edge_on_plane(run.world, contact);
   };
-  if (std::ranges::any_of(contacts, corner_by_corner)) {
+  if (std::ranges::any_of(contacts, unseen)) {
     why = "a plane finds the corners of a box one per step";
     return false;
   }

@@ -1,6 +1,7 @@
 #include "experiments/exact/scheme_map.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "experiments/exact/compliant_map.hpp"
 #include "experiments/exact/impulse_map.hpp"
@@ -106,6 +107,10 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
     return std::nullopt;
   }
   Recorder recorder(run, exact_case.observables.size());
+  ExactRun seen = run;
+  if (run.geometry && scheme.impulse && std::isfinite(scheme.impulse->plane_reach_share)) {
+    seen.geometry = corner_by_corner(*scheme.impulse, run);
+  }
   std::optional<SoftMap> soft;
   if (scheme.soft && touching) soft.emplace(scheme, run);
   std::vector<Contact> contacts;
@@ -125,7 +130,7 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
     if (soft) {
       if (!soft->advance(wrenches, states, out)) return std::nullopt;
       contacts = soft->contacts();
-    } else if (!advance(scheme, run, wrenches, states, out)) {
+    } else if (!advance(scheme, seen, wrenches, states, out)) {
       return std::nullopt;
     }
     recorder.see({.step = step + 1,
