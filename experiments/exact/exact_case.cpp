@@ -32,8 +32,7 @@ Expected<ParameterValues> complete(const ExactCase& exact_case, const ParameterV
     values[parameter.name] = parameter.default_value;
   }
   for (const auto& [name, value] : given) {
-    const auto found =
-        std::ranges::find_if(exact_case.parameters, [&](const auto& p) { return p.name == name; });
+    const auto found = std::ranges::find(exact_case.parameters, name, &Parameter::name);
     if (found == exact_case.parameters.end()) {
       return fail(Fault::invalid,
                   fmt::format("case {} has no parameter '{}'", exact_case.id, name));
