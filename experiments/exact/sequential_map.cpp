@@ -62,9 +62,9 @@ void add_on_face(const ExactRun& run, const PointContact& contact, std::span<con
     const Vector3d between_m = point.position_m - a.position_m;
     point.gap_m = point.normal.dot(between_m) - half_a[face];
     const Vector3d in_a = (a.orientation.conjugate() * between_m).cwiseAbs();
-    point.room_m = std::min(half_a[(face + 1) % 3] - in_a[(face + 1) % 3],
-                            half_a[(face + 2) % 3] - in_a[(face + 2) % 3]);
-    point.plain = point.room_m > border_m || (parallel && point.room_m >= -border_m);
+    const double room_m = std::min(half_a[(face + 1) % 3] - in_a[(face + 1) % 3],
+                                   half_a[(face + 2) % 3] - in_a[(face + 2) % 3]);
+    point.plain = room_m > border_m || (parallel && room_m >= -border_m);
     points.push_back(point);
   }
 }

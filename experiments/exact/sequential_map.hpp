@@ -2,7 +2,6 @@
 // stages of Baraff's notes, in the order in which the scheme lists its contacts.
 #pragma once
 
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,8 +20,6 @@ struct TouchingPoint {
   double gap_m = 0.0;
   double curvature_per_m = 0.0;  // 1/distance of the centres of two balls, else 0: flat
   bool corner = false;           // the normal turns with a; else both bodies are met centrally
-  // How far a corner on a face is from that face's border (negative: outside).
-  double room_m = std::numeric_limits<double>::infinity();
   bool plain = true;  // false: once the pair tilts, crossing edges touch that are not listed
 };
 

@@ -15,7 +15,7 @@
 
 namespace brickbench::exact {
 
-// The contacts of all pairs of which one moves. Boxes meet on the first one's face of largest gap.
+// The contacts of all pairs of which one moves.
 // Empty where a pair is not listed: a second body must be a ball, or a box on a box or a plane.
 ContactGeometry all_pairs(const World& world);
 
@@ -51,7 +51,6 @@ class SoftMap {
     Eigen::Vector3d between_in_a_m;
     Eigen::Quaterniond b_in_a;
     double found_within_m = 0.0;
-    bool listed = true;  // false: edges cross, or b shows a face, and may close within the step
     std::array<float, k_points> impulse_ns = {};  // per sub-step
     Vector friction_ns = Vector::Zero();
     float twist_ns = 0.0F;
@@ -126,6 +125,7 @@ class SoftMap {
   void count();
   void run_substeps(std::span<const Wrench> wrenches, std::span<const State> states);
   bool leaves_too_deep() const;
+  bool overlooks(std::span<const State> ends) const;
   void bounce();
   void finish(std::span<const Wrench> wrenches, std::span<State> states);
 

@@ -1,7 +1,8 @@
-// Which contacts a step of the soft map has, and what they inherit from the last one.
+// Which contacts a step of the soft map has, what they inherit from the last one, what they tell.
 #include <algorithm>
 #include <limits>
 
+#include "experiments/exact/box_points.hpp"
 #include "experiments/exact/soft_map.hpp"
 
 namespace brickbench::exact {
@@ -13,14 +14,6 @@ using Eigen::Vector3d;
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 // Cosine between the normals of a manifold that goes on.
 constexpr double k_same_normal = 0.9;
-
-// Of the thinnest edge of two boxes: by how much an axis of edges must win over those of faces, and
-// a face of the second box over those of the first; and how far outside a border a corner is still
-// inside.
-constexpr double k_axis_bias = 1e-3;
-constexpr double k_border = 1e-6;
-// |a x b|^2 of edges that count as parallel.
-constexpr double k_parallel = 1e-6;
 
 double thickness_m(const Shape& shape) {
   if (const auto* box = std::get_if<BoxShape>(&shape)) return 2.0 * box->half_extents_m.minCoeff();
@@ -36,95 +29,6 @@ double bounding_radius_m(const Shape& shape) {
 
 const BoxShape* box_of(const World& world, std::size_t i) {
   return std::get_if<BoxShape>(&world.bodies[i].shape);
-}
-
-// What the separating axes of two boxes say: the largest gap, and whether it is that of a face of
-// the first. S. Gottschalk, M. Lin, D. Manocha, OBBTree, SIGGRAPH 1996, section 5.
-struct Separation {
-  double gap_m = -k_infinity;
-  bool face_of_a = true;
-  Vector3d normal_in_a = Vector3d::UnitZ();
-};
-
-Separation separation(const Vector3d& half_a, const State& at_a, const Vector3d& half_b,
-                      const State& at_b) {
-  const Eigen::Matrix3d a = at_a.orientation.toRotationMatrix();
-  const Eigen::Matrix3d b = at_b.orientation.toRotationMatrix();
-  const Vector3d between_m = at_b.position_m - at_a.position_m;
-  const auto gap = [&](const Vector3d& axis) {
-    return std::abs(axis.dot(between_m)) - half_a.dot((a.transpose() * axis).cwiseAbs()) -
-           half_b.dot((b.transpose() * axis).cwiseAbs());
-  };
-  const double bias_m = k_axis_bias * 2.0 * std::min(half_a.minCoeff(), half_b.minCoeff());
-  Separation best;
-  double best_b_m = -k_infinity;
-  for (int k = 0; k < 3; ++k) {
-    if (gap(a.col(k)) > best.gap_m) {
-      const double side = a.col(k).dot(between_m) < 0.0 ? -1.0 : 1.0;
-      best = {gap(a.col(k)), true, side * Vector3d::Unit(k)};
-    }
-    best_b_m = std::max(best_b_m, gap(b.col(k)));
-  }
-  if (best_b_m > best.gap_m + bias_m) {
-    best.gap_m = best_b_m;
-    best.face_of_a = false;
-  }
-  double to_beat_m = best.gap_m + bias_m;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const Vector3d across = a.col(i).cross(b.col(j));
-      if (across.squaredNorm() < k_parallel) continue;
-      const double gap_m = gap(across.normalized());
-      if (gap_m <= to_beat_m) continue;
-      best.gap_m = to_beat_m = gap_m;
-      best.face_of_a = false;
-    }
-  }
-  return best;
-}
-
-// Keeps what is within sign * corner[axis] <= limit. I. Sutherland, G. Hodgman, Reentrant polygon
-// clipping, CACM 17, 1974.
-std::vector<Vector3d> clipped(const std::vector<Vector3d>& corners, Eigen::Index axis, double sign,
-                              double limit_m, double slack_m) {
-  std::vector<Vector3d> kept;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vector3d& here = corners[i];
-    const Vector3d& next = corners[(i + 1) % corners.size()];
-    const double from_m = sign * here[axis] - limit_m, to_m = sign * next[axis] - limit_m;
-    if (from_m <= slack_m) kept.push_back(here);
-    if ((from_m <= slack_m) == (to_m <= slack_m)) continue;
-    kept.push_back(here + std::clamp(from_m / (from_m - to_m), 0.0, 1.0) * (next - here));
-  }
-  return kept;
-}
-
-// Corners of b on a face of the box a; those outside its border give way to where their face's
-// edges cross it.
-std::vector<TouchingPoint> within_border(std::span<const TouchingPoint> points, const State& a,
-                                         const Vector3d& half_m, double slack_m) {
-  const auto outside = [&](const TouchingPoint& p) { return p.room_m < -slack_m; };
-  if (std::ranges::none_of(points, outside)) return {points.begin(), points.end()};
-  Eigen::Index face = 0;
-  const Vector3d up = a.orientation.conjugate() * points.front().normal;
-  up.cwiseAbs().maxCoeff(&face);
-  std::vector<Vector3d> corners;
-  for (const TouchingPoint& point : points) {
-    corners.push_back(a.orientation.conjugate() * (point.position_m - a.position_m));
-  }
-  for (const Eigen::Index axis : {(face + 1) % 3, (face + 2) % 3}) {
-    for (const double sign : {1.0, -1.0}) {
-      corners = clipped(corners, axis, sign, half_m[axis], slack_m);
-    }
-  }
-  std::vector<TouchingPoint> inside;
-  for (const Vector3d& corner : corners) {
-    TouchingPoint point = points.front();
-    point.position_m = a.position_m + a.orientation * corner;
-    point.gap_m = up.dot(corner) - half_m[face];
-    inside.push_back(point);
-  }
-  return inside;
 }
 
 // The deepest, the one furthest from it, and those that span most area with the two on either side.
@@ -185,16 +89,9 @@ ContactGeometry all_pairs(const World& world) {
       for (std::size_t a = 0; a < b; ++a) {
         if (world.bodies[a].fixed && world.bodies[b].fixed) continue;
         PointContact contact{.body_a = a, .body_b = b};
-        const BoxShape* box_a = box_of(world, a);
-        const BoxShape* box_b = box_of(world, b);
         if (std::holds_alternative<SphereShape>(world.bodies[b].shape)) {
           add_ball(world, states, contact, contacts);
           continue;
-        }
-        if (box_a != nullptr && box_b != nullptr) {
-          contact.normal = states[a].orientation * separation(box_a->half_extents_m, states[a],
-                                                              box_b->half_extents_m, states[b])
-                                                       .normal_in_a;
         }
         contacts.push_back(contact);
       }
@@ -241,7 +138,6 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
   const State& b = states[memory.body_b];
   const Quaterniond to_a = a.orientation.conjugate();
   const double thin_m = thinner_m(memory.body_a, memory.body_b);
-  memory.normal_in_a = to_a * points.front().normal;
   memory.between_in_a_m = to_a * (b.position_m - a.position_m);
   memory.b_in_a = to_a * b.orientation;
   memory.found_within_m = 1.5 * soft_.margin_m + reach_m + 2.0 * soft_.keep_share * thin_m;
@@ -249,12 +145,15 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
   const BoxShape* box_b = box_of(run_.world, memory.body_b);
   std::vector<TouchingPoint> near(points.begin(), points.end());
   if (box_a != nullptr && box_b != nullptr) {
-    const Separation between = separation(box_a->half_extents_m, a, box_b->half_extents_m, b);
-    if (between.gap_m > memory.found_within_m) return memory;
-    memory.listed = between.face_of_a || between.gap_m > reach_m;
-    if (!between.face_of_a) memory.found_within_m = 0.0;  // looked at again in every step
-    near = within_border(points, a, box_a->half_extents_m, k_border * thin_m);
+    const BoxPoints boxes = box_points(box_a->half_extents_m, a, box_b->half_extents_m, b);
+    if (boxes.gap_m > memory.found_within_m) return memory;
+    near.clear();
+    for (const BoxPoint& point : boxes.points) {
+      near.push_back({.position_m = point.on_b_m, .normal = boxes.normal, .gap_m = point.gap_m});
+    }
   }
+  if (near.empty()) return memory;
+  memory.normal_in_a = to_a * near.front().normal;
   std::erase_if(near, [&](const TouchingPoint& p) { return p.gap_m > memory.found_within_m; });
   if (near.size() > k_points) near = four_of(near);
   for (const TouchingPoint& point : near) {
@@ -308,10 +207,6 @@ bool SoftMap::remember(std::span<const State> states, std::string& why) {
       continue;
     }
     Memory memory = found(std::span(points).subspan(begin, end - begin), reach, states);
-    if (!memory.listed) {
-      why = "boxes meet with crossing edges or a face of the second one, which are not listed";
-      return false;
-    }
     if (memory.count == 0) continue;
     if (known) inherit(*old, memory);
     next.push_back(memory);
@@ -380,6 +275,30 @@ void SoftMap::make_rows(std::span<const State> states) {
     rows_.push_back(row);
   }
   std::ranges::stable_sort(rows_, {}, &Row::colour);
+}
+
+std::vector<Contact> SoftMap::contacts() const {
+  std::vector<Contact> contacts;
+  for (const Row& row : rows_) {
+    const double share = 1.0 / static_cast<double>(row.points.size());
+    Vector3d middle = Vector3d::Zero();
+    for (const Point& point : row.points) middle += share * point.view.position_m;
+    double squares = 0.0;
+    for (const Point& point : row.points) {
+      squares += (point.view.position_m - middle).squaredNorm();
+    }
+    const Vector friction =
+        row.friction_total_ns[0] * row.tangent[0] + row.friction_total_ns[1] * row.tangent[1];
+    const double turn = squares > 0.0 ? row.twist_total_ns / squares : 0.0;
+    for (const Point& point : row.points) {
+      const Vector3d normal = row.normal.cast<double>();
+      Contact contact = point.view;
+      contact.impulse_ns = point.total_ns * normal + share * friction.cast<double>() +
+                           turn * normal.cross(contact.position_m - middle);
+      contacts.push_back(contact);
+    }
+  }
+  return contacts;
 }
 
 }  // namespace brickbench::exact

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "experiments/exact/box_points.hpp"
 #include "experiments/exact/builders.hpp"
 #include "experiments/exact/scheme_map.hpp"
 #include "tests/support/tolerance.hpp"
@@ -33,6 +34,7 @@ constexpr Tolerance k_push = {"overlap left after one sub-step", 1.4e-7, 7e-9,
 constexpr Tolerance k_corners = {"eight pushes in single precision", 4e-7, 3.8e-8,
                                  "roundings of eight pushes"};
 
+constexpr Tolerance k_places = {"places of contacts", 1e-15, 5.7e-17, "sums of lengths of 0.5 m"};
 constexpr Tolerance k_weight = {"impulses of a stack at rest", 1.2e-6, 1.2e-7,
                                 "single precision of the impulses"};
 
@@ -272,27 +274,58 @@ TEST(SoftMap, FindsAStackAndTellsItsForces) {
 }
 
 TEST(SoftMap, SaysWhatItDoesNotList) {
+  ExactRun run = stack(0.0);
+  run.world.bodies[1] = ball("ball", k_radius_m, k_mass_kg, at({0.0, 0.0, k_radius_m}));
   const Scheme scheme = soft_scheme();
-  const auto reason = [&](const ExactRun& run) {
-    SoftMap map(scheme, run);
-    std::vector<State> states;
-    for (const Body& body : run.world.bodies) states.push_back(body.initial);
-    std::string why;
-    EXPECT_FALSE(map.advance(std::vector<Wrench>(3), states, why));
-    return why;
-  };
-  ExactRun crossed = stack(0.0);
-  crossed.world.gravity_mps2.setZero();
+  SoftMap map(scheme, run);
+  std::vector<State> states;
+  for (const Body& body : run.world.bodies) states.push_back(body.initial);
+  std::string why;
+  EXPECT_FALSE(map.advance(std::vector<Wrench>(3), states, why));
+  EXPECT_NE(why.find("ball"), std::string::npos);
+}
+
+State turned(const Vector3d& position_m, double angle_rad, const Vector3d& axis) {
+  State state = at(position_m);
+  state.orientation = Eigen::AngleAxisd(angle_rad, axis);
+  return state;
+}
+
+// Two cubes of 0.2 m, edge across edge, 1 mm apart.
+TEST(BoxPoints, EdgesThatCrossMeetMidway) {
   const Vector3d half_m(0.1, 0.1, 0.1);
-  State lower = at({0.0, 0.0, 1.0}), upper = at({0.0, 0.0, 1.282}, {0.0, 0.0, -1.0});
-  lower.orientation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vector3d::UnitX());
-  upper.orientation = Eigen::AngleAxisd(0.25 * std::numbers::pi, Vector3d::UnitY());
-  crossed.world.bodies = {floor_slab(), box("lower", half_m, 1.0, lower),
-                          box("upper", half_m, 1.0, upper)};
-  EXPECT_NE(reason(crossed).find("edges"), std::string::npos);
-  ExactRun on_ball = stack(0.0);
-  on_ball.world.bodies[1] = ball("ball", k_radius_m, k_mass_kg, at({0.0, 0.0, k_radius_m}));
-  EXPECT_NE(reason(on_ball).find("ball"), std::string::npos);
+  const double eighth = 0.25 * std::numbers::pi, height_m = 0.2 * std::numbers::sqrt2 + 1e-3;
+  const BoxPoints met =
+      box_points(half_m, turned({0.03, 0.0, 0.0}, eighth, Vector3d::UnitX()), half_m,
+                 turned({0.0, 0.02, height_m}, eighth, Vector3d::UnitY()));
+  ASSERT_EQ(met.points.size(), 1U);
+  const Vector3d upper_edge(0.0, 0.0, height_m - 0.1 * std::numbers::sqrt2);
+  Worst worst;
+  worst.see(met.gap_m - 1e-3, "gap");
+  worst.see((met.normal - Vector3d::UnitZ()).norm(), "normal");
+  worst.see((met.points[0].on_b_m - upper_edge).norm(), "place");
+  EXPECT_TRUE(worst.within(k_places));
+}
+
+// A cube stands on its edge over a plate, which is made last: the plate shows its face.
+TEST(BoxPoints, FaceOfTheSecondBoxCountsWhereItIsFurther) {
+  const double height_m = 0.1 * std::numbers::sqrt2 + 0.05 + 1e-3;
+  const BoxPoints met =
+      box_points(Vector3d(0.1, 0.1, 0.1),
+                 turned({0.0, 0.0, height_m}, 0.25 * std::numbers::pi, Vector3d::UnitY()),
+                 Vector3d(0.5, 0.5, 0.05), at({0.0, 0.0, 0.0}));
+  Worst worst;
+  worst.see((met.normal + Vector3d::UnitZ()).norm(), "normal");
+  int low = 0;
+  for (const BoxPoint& point : met.points) {
+    worst.see(point.on_b_m.z() - 0.05, "on the plate");
+    if (point.gap_m > 2e-3) continue;
+    worst.see(point.gap_m - 1e-3, "gap");
+    worst.see(point.on_b_m.x(), "edge");
+    ++low;
+  }
+  EXPECT_EQ(low, 2);
+  EXPECT_TRUE(worst.within(k_places));
 }
 
 }  // namespace
