@@ -1,5 +1,6 @@
 // Contacts into coloured batches: which manifold is solved where, and what identifies it there.
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::uint64_t k_all_colours = ~std::uint64_t{0};
 constexpr std::size_t k_batches_per_piece = 4;
+constexpr std::size_t k_slots_per_piece = 256;
 constexpr int k_few_points = 2;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -170,38 +172,43 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
   }
 }
 
-// The bodies that some contact pushed during the trial.
+// The bodies that some contact pushed during the trial. Several threads may mark a body: all with
+// the same mark, so that the order does not matter.
 void FastDynamics::mark_touched() {
   std::ranges::fill(touched_, 0);
-  for (const Slot& slot : slots_) {
-    const SoftBatch& batch = batches_[at(slot.batch)];
-    const std::size_t i = at(slot.lane);
-    const SoftManifold& manifold = solved_manifold(at(slot.manifold));
-    const auto points = std::span(batch.point).first(at(manifold.count));
-    if (std::ranges::none_of(points, [&](const SoftPoint& p) { return p.max_impulse[i] > 0.0F; })) {
-      continue;
+  pool_.for_ranges(slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) {
+    for (const Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
+      const SoftBatch& batch = batches_[at(slot.batch)];
+      const std::size_t i = at(slot.lane);
+      const SoftManifold& manifold = solved_manifold(at(slot.manifold));
+      const auto points = std::span(batch.point).first(at(manifold.count));
+      const auto pushed = [&](const SoftPoint& p) { return p.max_impulse[i] > 0.0F; };
+      if (std::ranges::none_of(points, pushed)) continue;
+      for (const int body : {manifold.body_a, manifold.body_b}) {
+        std::atomic_ref(touched_[at(body)]).store(1, std::memory_order_relaxed);
+      }
     }
-    touched_[at(manifold.body_a)] = 1;
-    touched_[at(manifold.body_b)] = 1;
-  }
+  });
 }
 
-// Back into the manifolds.
+// Back into the manifolds, of which each has one slot.
 void FastDynamics::keep_impulses() {
-  for (const Slot& slot : slots_) {
-    const SoftBatch& batch = batches_[at(slot.batch)];
-    const std::size_t i = at(slot.lane);
-    SoftManifold& manifold = solved_manifold(at(slot.manifold));
-    for (std::size_t p = 0; p < at(manifold.count); ++p) {
-      manifold.impulse[p] = batch.point[p].impulse[i];
+  pool_.for_ranges(slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) {
+    for (const Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
+      const SoftBatch& batch = batches_[at(slot.batch)];
+      const std::size_t i = at(slot.lane);
+      SoftManifold& manifold = solved_manifold(at(slot.manifold));
+      for (std::size_t p = 0; p < at(manifold.count); ++p) {
+        manifold.impulse[p] = batch.point[p].impulse[i];
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
+            batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
+            batch.friction_impulse[1][i] * batch.tangent[1][k][i];
+      }
+      manifold.twist_impulse = batch.twist_impulse[i];
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
-          batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
-          batch.friction_impulse[1][i] * batch.tangent[1][k][i];
-    }
-    manifold.twist_impulse = batch.twist_impulse[i];
-  }
+  });
 }
 
 // What the step applied; friction and twist of a manifold become forces at its points.
