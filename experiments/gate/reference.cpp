@@ -79,6 +79,39 @@ Record record_of(const Json& json) {
   return record;
 }
 
+std::ptrdiff_t lines_before(const std::string& text, std::size_t byte) {
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
+  return std::count(text.begin(), end, '\n');
+}
+
+// "drop.json:3", or "drop.json, record 2" in a file that is not laid out as to_text does.
+std::string place_of(const std::filesystem::path& file, const std::string& text, std::size_t index,
+                     std::size_t records) {
+  const bool one_per_line = lines_before(text, text.size()) == std::ptrdiff_t(records) + 2;
+  return one_per_line ? fmt::format("{}:{}", file.string(), index + 2)
+                      : fmt::format("{}, record {}", file.string(), index + 1);
+}
+
+Expected<std::vector<Record>> records_of(const std::filesystem::path& file,
+                                         const std::string& text) {
+  std::vector<Record> records;
+  std::string place = file.string();
+  try {
+    const Json list = Json::parse(text);
+    if (!list.is_array()) throw std::invalid_argument("not a list of records");
+    for (const Json& json : list) {
+      place = place_of(file, text, records.size(), list.size());
+      records.push_back(record_of(json));
+    }
+  } catch (const Json::parse_error& problem) {
+    const auto line = 1 + lines_before(text, problem.byte == 0 ? 0 : problem.byte - 1);
+    return fail(Fault::invalid, fmt::format("{}:{}: {}", file.string(), line, problem.what()));
+  } catch (const std::exception& problem) {
+    return fail(Fault::invalid, fmt::format("{}: {}", place, problem.what()));
+  }
+  return records;
+}
+
 }  // namespace
 
 std::string_view to_word(Kind kind) {
@@ -120,17 +153,16 @@ Expected<Suite> read_suite(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".json") files.push_back(entry.path());
   }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    return fail(Fault::invalid, fmt::format("{}: {}", folder.string(), error.message()));
+  }
   std::ranges::sort(files);
   for (const auto& file : files) {
     const auto text = read_file(file);
     if (!text) return tl::unexpected(text.error());
-    Suite::Experiment experiment{file.stem().string(), {}};
-    try {
-      for (const Json& json : Json::parse(*text)) experiment.records.push_back(record_of(json));
-    } catch (const std::exception& problem) {
-      return fail(Fault::invalid, fmt::format("{}: {}", file.string(), problem.what()));
-    }
-    suite.experiments.push_back(std::move(experiment));
+    auto records = records_of(file, *text);
+    if (!records) return tl::unexpected(records.error());
+    suite.experiments.push_back({file.stem().string(), std::move(*records)});
   }
   return suite;
 }

@@ -71,8 +71,8 @@ struct Suite {
 
 std::string to_text(const Suite::Experiment& experiment);
 
-// Fault::invalid with the file if it is damaged; a suite without experiments if the folder is not
-// there.
+// Fault::invalid with file and line of a damaged record, and if the folder cannot be listed; a
+// suite without experiments if the folder is not there.
 Expected<Suite> read_suite(const std::filesystem::path& folder);
 
 // Writes obtained numbers into a new folder.

@@ -1,8 +1,11 @@
 // References, comparisons and blessings: what is red, why, and what a blessing may touch.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 #include "experiments/gate/check.hpp"
@@ -155,6 +158,50 @@ TEST(Gate, ABlessingRewritesOnlyWhatChanged) {
   EXPECT_EQ(records[0].blessed, Blessing{});
   EXPECT_EQ(records[1].values[0], 5.0);
   EXPECT_EQ(records[1].blessed.reason, "a reason");
+}
+
+class DamagedReference : public testing::Test {
+ protected:
+  DamagedReference() { std::filesystem::create_directories(folder_); }
+  ~DamagedReference() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  // What reading says of a file with this text; empty if it finds nothing wrong.
+  std::string complaint(const std::string& text) const {
+    std::ofstream(folder_ / "drop.json") << text;
+    const auto suite = read_suite(folder_);
+    return suite ? "" : suite.error().reason;
+  }
+
+  // Two good records, one per line, with `wrong` in place of the first `right` of the second.
+  static std::string damaged(const std::string& right, const std::string& wrong) {
+    std::string text = to_text({"drop", {bound_record(1.0, 0.5), bound_record(2.0, 0.5)}});
+    const std::size_t second = text.find('\n', 2) + 1;
+    return text.replace(text.find(right, second), right.size(), wrong);
+  }
+
+  std::filesystem::path folder_ = std::filesystem::temp_directory_path() /
+                                  ("brickbench_reference." + std::to_string(::getpid()));
+};
+
+TEST_F(DamagedReference, IsNamedByFileAndLine) {
+  EXPECT_EQ(complaint(damaged("}", "}")), "");
+  for (const auto& [right, wrong] : {std::pair{"\"kind\":", "\"kind\""},
+                                     {"\"kind\":", "\"sort\":"},
+                                     {"[2.0,2.0]", "[2.0]"},
+                                     {"[2.0,2.0]", "[2.0,\"2\"]"}}) {
+    const std::string said = complaint(damaged(right, wrong));
+    EXPECT_NE(said.find("drop.json:3: "), std::string::npos) << wrong << ": " << said;
+  }
+}
+
+TEST_F(DamagedReference, IsNamedByRecordInAnotherLayout) {
+  std::string text = damaged("\"kind\":", "\"sort\":");
+  std::ranges::replace(text, '\n', ' ');
+  EXPECT_NE(complaint(text).find("drop.json, record 2: "), std::string::npos) << complaint(text);
+  EXPECT_NE(complaint("{}").find("not a list"), std::string::npos);
 }
 
 TEST(Gate, JUnitNamesTheOffenderAndEscapesIt) {
