@@ -85,7 +85,7 @@ TEST(SequentialMap, OneCornerFollowsTheClosedImpulse) {
   const std::vector<double> v = discrete("impact.corner", 0.0);
   Worst worst;
   // The spin and its energy are read after the turn of the step, at the same momentum.
-  for (const std::size_t i : {0, 3}) {
+  for (const std::size_t i : {std::size_t{0}, std::size_t{3}}) {
     worst.see((v[i] - run.truths[i].value) / run.truths[i].scale, std::to_string(i));
   }
   EXPECT_TRUE(worst.within(k_formula));
