@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# check_cli.sh PROGRAM: the verb itself. What one check obtained is the reference of the next: green (0). A
+# branch with other restitution or friction is red (1), by name, also in JUnit and annotations; a number without
+# reference is 3, a damaged record 2 with file and line; nothing is blessed under CI; the reference stays as it was.
+set -euo pipefail
+program=$1
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+fail() { echo "check_cli: $*" >&2; exit 1; }
+unset GITHUB_ACTIONS CI
+
+# plan FRICTION RESTITUTION
+plan() {
+  cat <<PLAN
+title = "Small"
+analysis = "A brick slides, another is dropped."
+[[experiment]]
+name = "slide"
+scenario = "incline"
+engines = ["all"]
+step_s = 0.002
+duration_s = 0.4
+parameters = { friction = $1 }
+seeds = [1, 2, 3, 4]
+perturb = { position_m = 1e-12, distribution = "uniform" }
+metrics = ["displaced"]
+[[experiment]]
+name = "drop"
+scenario = "brick_drop"
+engines = ["all"]
+step_s = 0.002
+duration_s = 0.5
+parameters = { restitution = $2 }
+seeds = 24
+perturb = { position_m = 1e-4, angle_rad = 0.01, velocity_mps = 0.01, distribution = "normal" }
+metrics = ["displaced"]
+PLAN
+}
+# check CODE REFERENCE [OPTION...]: into $folder/said and gate.xml
+check() {
+  local want=$1 reference=$2 code=0
+  shift 2
+  rm -rf new gate.xml
+  "$program" check ./gate_small.toml --reference "$reference" --obtained new --junit gate.xml "$@" >said 2>&1 || code=$?
+  [ $code -eq "$want" ] || { cat said >&2; fail "exit code $code, not $want, against $reference"; }
+}
+
+cd "$folder"
+plan 0.3 0.4 >gate_small.toml
+check 3 none --all-starts
+cp -r new reference
+if ! grep -q '"outcome":"ok"' reference/*/slide.json; then exit 77; fi  # no linked engine runs it
+cp -r reference kept
+check 0 reference
+
+# A branch that reads 0.285 where 0.3 is asked for: the records are the old ones under the name of the new.
+cp -r reference friction && sed -i 's/friction=0.3;*\([",]\)/friction=0.285\1/' friction/*/slide.json
+plan 0.285 0.4 >gate_small.toml
+GITHUB_ACTIONS=1 check 1 friction
+grep -q '^::error.*slide.*brick_displacement_max_m' said || { cat said >&2; fail "friction: not named"; }
+! grep -q '^::error.*drop' said || fail "friction: the drop is accused"
+grep -q '<failure.*slide\|slide.*<failure' gate.xml || fail "friction: no failure in JUnit"
+
+cp -r reference restitution && sed -i 's/restitution=0.4\([",;]\)/restitution=0.45\1/' restitution/*/drop.json
+plan 0.3 0.45 >gate_small.toml
+GITHUB_ACTIONS=1 check 1 restitution
+grep -q '^::error.*drop.*brick_displacement_max_m' said || { cat said >&2; fail "restitution: not named"; }
+! grep -q '^::error.*slide' said || fail "restitution: the slide is accused"
+
+plan 0.3 0.4 >gate_small.toml
+cp -r reference damaged && sed -i '2s/"kind":/"sort":/' damaged/*/drop.json
+check 2 damaged
+grep -q 'drop.json:2: ' said || fail "the damaged record is not named"
+code=0
+CI=1 "$program" bless --from new --reference damaged --reason "test" >said 2>&1 || code=$?
+if [ $code -ne 2 ] || ! grep -q 'refused' said; then fail "blessed under CI"; fi
+diff -r kept reference || fail "a check changed its reference"
