@@ -14,7 +14,7 @@ constexpr double k_phase_limit_rad = 1.0;
 constexpr int k_reach_passes = 2;
 // A step is tried again with the contacts that its end showed to be missing, so often. Debris of a
 // brick at 20 m/s never needs more than 8; at 200 m/s each trial still finds what the last did not.
-constexpr int k_trial_limit = 16;
+constexpr int k_trial_limit = 24;
 constexpr std::size_t k_batches_per_piece = 4;
 constexpr std::size_t k_bodies_per_piece = 256;
 
