@@ -18,8 +18,8 @@ using brickbench::testing::Tolerance;
 using brickbench::testing::Worst;
 using Eigen::Vector3d;
 
-constexpr double k_radius_m = 0.125;
-constexpr double k_mass_kg = 1.5;
+constexpr double k_soft_ball_m = 0.125;
+constexpr double k_soft_ball_kg = 1.5;
 
 constexpr Tolerance k_answer = {"laws of the contact's answer", 4e-14, 3.2e-15,
                                 "sums of a few terms of size one"};
@@ -38,16 +38,16 @@ Scheme compliant_scheme(PositionRule position) {
   return scheme;
 }
 
-ExactRun ball_on_ground(double friction, const State& initial, bool central) {
+ExactRun ball_on_soft_ground(double friction, const State& initial, bool central) {
   ExactRun run;
   run.world.gravity_mps2 = {0.0, 0.0, -k_gravity_mps2};
   run.world.law = {.friction = friction, .restitution = 0.0};
-  run.world.bodies = {ground_plane(), ball("ball", k_radius_m, k_mass_kg, initial)};
-  run.geometry = sphere_contact(0, 1, k_radius_m, central);
+  run.world.bodies = {ground_plane(), ball("ball", k_soft_ball_m, k_soft_ball_kg, initial)};
+  run.geometry = sphere_contact(0, 1, k_soft_ball_m, central);
   return run;
 }
 
-State after(const Scheme& scheme, const ExactRun& run, int steps) {
+State state_after(const Scheme& scheme, const ExactRun& run, int steps) {
   std::vector<State> states;
   for (const Body& body : run.world.bodies) states.push_back(body.initial);
   const std::vector<Wrench> wrenches(states.size());
@@ -84,9 +84,9 @@ TEST(CompliantMap, AgreesWithTheClosedFormulaWhereThereIsNoLever) {
   Worst worst;
   for (const PositionRule rule : {PositionRule::new_velocity, PositionRule::runge_kutta_4}) {
     const Scheme scheme = compliant_scheme(rule);
-    const State falling = at({0.0, 0.0, k_radius_m - 1e-4}, {1.0, 0.0, -0.5});
-    const State one = after(scheme, ball_on_ground(0.0, falling, true), 20);
-    const State other = after(scheme, ball_on_ground(0.0, falling, false), 20);
+    const State falling = at({0.0, 0.0, k_soft_ball_m - 1e-4}, {1.0, 0.0, -0.5});
+    const State one = state_after(scheme, ball_on_soft_ground(0.0, falling, true), 20);
+    const State other = state_after(scheme, ball_on_soft_ground(0.0, falling, false), 20);
     worst.see((one.position_m - other.position_m).norm(), "position");
     worst.see((one.velocity_mps - other.velocity_mps).norm(), "velocity");
   }
@@ -98,12 +98,12 @@ TEST(CompliantMap, AgreesWithTheClosedFormulaWhereThereIsNoLever) {
 TEST(CompliantMap, SlidesUnderCoulombsLaw) {
   const double mu = 0.3, h = 0.001;
   const Scheme scheme = compliant_scheme(PositionRule::new_velocity);
-  const State start = at({0.0, 0.0, k_radius_m - 1e-5}, {2.0, -1.0, -0.1});
-  const State end = after(scheme, ball_on_ground(mu, start, false), 1);
+  const State start = at({0.0, 0.0, k_soft_ball_m - 1e-5}, {2.0, -1.0, -0.1});
+  const State end = state_after(scheme, ball_on_soft_ground(mu, start, false), 1);
   const double up = end.velocity_mps.z() + 0.1 + h * k_gravity_mps2;
   const Vector3d along = Vector3d(2.0, -1.0, 0.0).normalized();
-  const double lever = k_radius_m - 0.5e-5;
-  const double spin = 2.5 * mu * up * lever / (k_radius_m * k_radius_m);
+  const double lever = k_soft_ball_m - 0.5e-5;
+  const double spin = 2.5 * mu * up * lever / (k_soft_ball_m * k_soft_ball_m);
   Worst worst;
   worst.see((end.velocity_mps.head<2>() - (start.velocity_mps - mu * up * along).head<2>()).norm(),
             "velocity");
@@ -116,11 +116,11 @@ TEST(CompliantMap, SlidesUnderCoulombsLaw) {
 TEST(CompliantMap, RubsAFaceAtItsFourCorners) {
   const double mu = 0.3, h = 0.001, half = 0.03125;
   const Scheme scheme = compliant_scheme(PositionRule::new_velocity);
-  ExactRun run = ball_on_ground(mu, {}, false);
+  ExactRun run = ball_on_soft_ground(mu, {}, false);
   const State start = at({0.0, 0.0, half - 1e-5}, {2.0, -1.0, -0.1});
-  run.world.bodies = {floor_slab(), box("brick", {0.5, 0.5, half}, k_mass_kg, start)};
+  run.world.bodies = {floor_slab(), box("brick", {0.5, 0.5, half}, k_soft_ball_kg, start)};
   run.geometry = flat_contact(0, 1, half);
-  const State end = after(scheme, run, 1);
+  const State end = state_after(scheme, run, 1);
   const double up = end.velocity_mps.z() + 0.1 + h * k_gravity_mps2;
   const Vector3d along = Vector3d(2.0, -1.0, 0.0).normalized();
   Worst worst;
@@ -137,17 +137,17 @@ TEST(CompliantMap, CreepsAsItsRegularisationSays) {
     Scheme scheme = compliant_scheme(PositionRule::new_velocity);
     scheme.friction = set;
     const double mu = 0.8, angle = 0.2, d = 0.9;
-    ExactRun run = ball_on_ground(mu, at({0.0, 0.0, k_radius_m}), false);
+    ExactRun run = ball_on_soft_ground(mu, at({0.0, 0.0, k_soft_ball_m}), false);
     run.world.gravity_mps2 = tilted_gravity_mps2(angle);
-    const State s = after(scheme, run, 200);
-    const double lever = 0.5 * (s.position_m.z() + k_radius_m);
+    const State s = state_after(scheme, run, 200);
+    const double lever = 0.5 * (s.position_m.z() + k_soft_ball_m);
     const double slip = s.velocity_mps.x() - lever * s.angular_velocity_radps.y();
     const double inertia = run.world.bodies[1].inertia_kgm2.y();
-    const double force =
-        k_mass_kg * k_gravity_mps2 * std::sin(angle) / (1.0 + k_mass_kg * lever * lever / inertia);
+    const double force = k_soft_ball_kg * k_gravity_mps2 * std::sin(angle) /
+                         (1.0 + k_soft_ball_kg * lever * lever / inertia);
     // Two rows of the pyramid share the tangent, each with mu^2/(2 mu^2 (1 + mu^2)) of the weight.
     const double share = set == FrictionSet::circle ? 1.0 : 1.0 / (1.0 + mu * mu);
-    const double weight = share * k_mass_kg * d / (1.0 - d);
+    const double weight = share * k_soft_ball_kg * d / (1.0 - d);
     const double damping = 2.0 / (d * 0.002);
     Worst worst;
     worst.see(slip * damping * weight / force - 1.0, "slip");
@@ -170,7 +170,7 @@ TEST(CompliantMap, KeepsTheMomentaOfFreeBodies) {
 TEST(CompliantMap, SaysWhyItLeavesImplicitSpinsOpen) {
   Scheme scheme = compliant_scheme(PositionRule::new_velocity);
   scheme.gyroscopic = GyroscopicRule::newton_body;
-  const ExactRun run = ball_on_ground(0.3, at({0.0, 0.0, k_radius_m}), false);
+  const ExactRun run = ball_on_soft_ground(0.3, at({0.0, 0.0, k_soft_ball_m}), false);
   std::vector<State> states = {run.world.bodies[0].initial, run.world.bodies[1].initial};
   std::string why;
   EXPECT_FALSE(advance(scheme, run, std::vector<Wrench>(2), states, why));

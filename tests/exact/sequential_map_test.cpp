@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 
 constexpr Tolerance k_formula = {"single hits against closed formulas", 4e-15, 2.3e-16,
                                  "rounding of one impulse"};
-constexpr Tolerance k_balance = {"conserved sums over one step", 4e-15, 2.3e-16,
-                                 "rounding of some dozens of impulses"};
+constexpr Tolerance k_hit_balance = {"conserved sums over one step", 4e-15, 2.3e-16,
+                                     "rounding of some dozens of impulses"};
 constexpr Tolerance k_rest = {"acceleration and turn at rest, per g", 1e-13, 6.7e-15,
                               "projected Gauss-Seidel to rounding"};
 
@@ -42,7 +42,7 @@ Scheme sequential_scheme(double share) {
 
 ExactRun run_of(std::string_view id) { return build(testing::find_case(id)).value(); }
 
-std::vector<double> discrete(std::string_view id, double share) {
+std::vector<double> sequential_truth(std::string_view id, double share) {
   const ExactCase exact_case = testing::find_case(id);
   return discrete_truth(exact_case, build(exact_case).value(), sequential_scheme(share)).value();
 }
@@ -73,7 +73,7 @@ ExactRun box_on(const Body& ground, const Vector3d& half_m, double gap_m) {
 TEST(SequentialMap, CradleLetsTheLastBallLeaveAlone) {
   Worst worst;
   for (const double share : {0.0, 1.0}) {
-    const std::vector<double> v = discrete("impact.cradle", share);
+    const std::vector<double> v = sequential_truth("impact.cradle", share);
     const std::vector<double> expected = {0.0, 0.0, 1.0, 1.0, 0.5};
     for (std::size_t i = 0; i < v.size(); ++i) worst.see(v[i] - expected[i], std::to_string(i));
   }
@@ -82,7 +82,7 @@ TEST(SequentialMap, CradleLetsTheLastBallLeaveAlone) {
 
 TEST(SequentialMap, OneCornerFollowsTheClosedImpulse) {
   const ExactRun run = run_of("impact.corner");
-  const std::vector<double> v = discrete("impact.corner", 0.0);
+  const std::vector<double> v = sequential_truth("impact.corner", 0.0);
   Worst worst;
   // The spin and its energy are read after the turn of the step, at the same momentum.
   for (const std::size_t i : {std::size_t{0}, std::size_t{3}}) {
@@ -136,8 +136,8 @@ TEST(SequentialMap, HitsLeaveNoApproachAndCreateNoEnergy) {
     gained.see(std::max(0.0, is_j - was_j) / was_j, std::to_string(trial));
   }
   EXPECT_LE(fastest_approach, 1e-3 + 1e-9);
-  EXPECT_TRUE(sideways.within(k_balance));
-  EXPECT_TRUE(gained.within(k_balance));
+  EXPECT_TRUE(sideways.within(k_hit_balance));
+  EXPECT_TRUE(gained.within(k_hit_balance));
 }
 
 TEST(SequentialMap, RestingFaceCarriesALoadInsideItAndTipsBeyond) {
