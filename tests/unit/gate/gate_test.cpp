@@ -160,7 +160,7 @@ TEST(Gate, ABlessingRewritesOnlyWhatChanged) {
   EXPECT_EQ(records[1].blessed.reason, "a reason");
 }
 
-class DamagedReference : public testing::Test {
+class DamagedReference : public ::testing::Test {
  protected:
   DamagedReference() { std::filesystem::create_directories(folder_); }
   ~DamagedReference() override {
