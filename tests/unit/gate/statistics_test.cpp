@@ -127,7 +127,7 @@ TEST(Statistics, SequentialLooksKeepTheLevelOverAllLooks) {
   for (int trial = 0; trial < 400; ++trial) {
     const auto a = normal_sample(random, 32, 0.0), b = normal_sample(random, 32, 0.0);
     plan.permutation.seed = static_cast<std::uint64_t>(trial);
-    for (const std::size_t size : {8, 16, 32}) {
+    for (const std::size_t size : {8UL, 16UL, 32UL}) {
       const std::span<const double> head(a.data(), size), tail(b.data(), size);
       if (look_at(head, tail, 0.01, plan).verdict == Verdict::different) {
         ++alarms;
