@@ -46,8 +46,9 @@ class TroubledSimulation final : public FakeSimulation<Mishap::none> {
     } else if constexpr (trouble == Trouble::eats_memory) {
       // Far more than any limit of the tests, in pieces, as a program that leaks does.
       for (int piece = 0; piece < 4096; ++piece) {
-        char* memory = new char[std::size_t{16} << 20U];
-        std::fill_n(memory, 4096, 'x');
+        // volatile: a compiler may leave out memory that nobody reads.
+        char* volatile memory = new char[std::size_t{16} << 20U];
+        std::fill_n(static_cast<char*>(memory), 4096, 'x');
       }
     } else if constexpr (trouble == Trouble::chatter) {
       for (int line = 0; line < 100000; ++line) fmt::print("line {}\n", line);
