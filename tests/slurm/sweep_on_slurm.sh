@@ -44,6 +44,16 @@ shards=4
 fail() { echo "FAILED: $*"; exit 1; }
 say() { echo "[$SECONDS s] $*"; }
 
+if ! cluster_start; then
+  # A machine on which Slurm's own daemons give up, for one without a mounted /sys/fs/cgroup.
+  if grep -hE 'slurmd initialization failed|fatal:' "$root"/log/*.log; then
+    echo "SKIP: Slurm's daemons do not run here; their reason follows"
+    exit 77
+  fi
+  fail "the private cluster does not start"
+fi
+say "cluster is up"
+
 run_here() {
   sed "s/SEEDS/$seeds/" "$plan.seeds" >"$plan"
   local started=$SECONDS
@@ -59,16 +69,6 @@ if [ $took -lt 10 ]; then
 fi
 "$program" sweep merge "$root/local" --out "$root/local.csv" >/dev/null || [ $? -eq 1 ]
 say "local run of $seeds seeds done in $took s: $(wc -l <"$root/local.csv") lines"
-
-if ! cluster_start; then
-  # A machine on which Slurm's own daemons give up, for one without a mounted /sys/fs/cgroup.
-  if grep -hE 'slurmd initialization failed|fatal:' "$root"/log/*.log; then
-    echo "SKIP: Slurm's daemons do not run here; their reason follows"
-    exit 77
-  fi
-  fail "the private cluster does not start"
-fi
-say "cluster is up"
 
 submit() { "$program" sweep submit --slurm "$plan" --out "$root/sweep" --shards $shards --partition main; }
 results() { find "$root/sweep/cells" -name '*.cell' 2>/dev/null | wc -l; }
