@@ -7,12 +7,40 @@
 #     --duration 0.3 --stride 4 --markdown --engine ...
 #   gate_power faults experiments/plans/gate_smoke.toml ENGINE 30 SEED
 #   gate_power alarms experiments/plans/gate_smoke.toml ENGINE STARTS TRIALS SEED
+# splice-gate.sh --cost PROGRAM: runs the suites, as they decide and with all starts, and puts there what they took.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=scripts/splice.sh
 . scripts/splice.sh
 
 page=docs/gate.md
+if [ "${1:-}" = --cost ] && [ $# -eq 2 ]; then
+  need_markers $page cost
+  work=$(mktemp -d "${TMPDIR:-/tmp}/splice-gate.XXXXXX")
+  trap 'rm -rf "$work"' EXIT
+  # seconds SUITE [OPTION...]: CPU time; the summary is left in $work/out.
+  seconds() {
+    local TIMEFORMAT='%U %S'
+    { time "$program" check "$@" --obtained "$work/$1$#" >"$work/out" 2>"$work/log"; } 2>"$work/times" ||
+      die "check $* is red: $(tail -n 3 "$work/log")"
+    awk '{ printf "%.3g", $1 + $2 }' "$work/times"
+  }
+  program=$2
+  table=$(
+    echo "| suite | numbers | runs when nothing changed | CPU s | runs in all | CPU s |"
+    echo "|---|---:|---:|---:|---:|---:|"
+    for suite in smoke full; do
+      few=$(seconds $suite)
+      summary='s/^\([0-9]*\) numbers: .* \([0-9]*\) cells run, \([0-9]*\) spared.*/\1 \2 \3/p'
+      read -r numbers runs spared < <(cat "$work/out" "$work/log" | sed -n "$summary")
+      all=$(seconds $suite --all-starts)
+      echo "| $suite | $numbers | $runs | $few | $((runs + spared)) | $all |"
+    done
+  )
+  put $page cost <<<"$table"
+  echo "splice-gate: $page has what the suites of $program take"
+  exit
+fi
 [ $# -eq 4 ] || die "usage: scripts/splice-gate.sh STATICS LAWS POWER ALARMS"
 need_markers $page statics laws power alarms
 for file in "$@"; do
