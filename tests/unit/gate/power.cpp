@@ -19,10 +19,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <numeric>
 #include <random>
+#include <string>
 #include <utility>
 
 #include "adapters/catalog.hpp"
@@ -258,7 +260,7 @@ bool is_whole(const Suite& pool, std::size_t starts) {
   return true;
 }
 
-int measure_alarms(Bench bench, const std::string& engine, std::size_t starts, std::uint64_t trials,
+int measure_alarms(Bench bench, const std::string& label, std::size_t starts, std::uint64_t trials,
                    std::uint64_t seed) {
   std::map<std::string, std::size_t> ensemble_size;
   for (Experiment& experiment : bench.plan.experiments) {
@@ -299,7 +301,7 @@ int measure_alarms(Bench bench, const std::string& engine, std::size_t starts, s
     }
     calm.add(check_drawn(pool, order, full));
   }
-  fmt::print("| {} | {} | {} | {} of {} | <= {:.2f} % | {} | {:.0f} + {:.0f} |\n", engine, numbers,
+  fmt::print("| {} | {} | {} | {} of {} | <= {:.2f} % | {} | {:.0f} + {:.0f} |\n", label, numbers,
              starts, calm.red, calm.trials, 100.0 * upper_limit(calm.red, calm.trials, 0.05),
              calm.most_named(), pool_cpu_s, cpu_s() - start);
   return 0;
@@ -330,7 +332,9 @@ int run(int argc, char** argv) {
   });
   bench.expand_ensembles();
   const auto number = [&](int i) { return std::strtoull(argv[i], nullptr, 10); };
-  if (mode == "alarms") return measure_alarms(bench, engine, number(4), number(5), number(6));
+  const std::string label =
+      engine == "suite" ? "all of " + std::filesystem::path(argv[2]).stem().string() : engine;
+  if (mode == "alarms") return measure_alarms(bench, label, number(4), number(5), number(6));
   measure_faults(bench, engine, number(4), number(5));
   return 0;
 }
