@@ -3,8 +3,8 @@
 //
 // gate_power faults PLAN ENGINE TRIALS SEED: one row per fault. Each trial has starts of its own,
 // numbered from SEED on; reference and candidate of a trial have the same starts, as in a check.
-// Halved are the iterations that the engine has without being asked; engines without that knob have
-// no such row.
+// Halved are the iterations that the engine has without being asked, or its sub-steps; engines
+// without such a knob have no such row.
 //
 // gate_power alarms PLAN ENGINE STARTS TRIALS SEED: one row. STARTS runs of each ensemble are
 // recorded; each trial draws from them, without replacement, the starts of a reference and others
@@ -23,6 +23,7 @@
 #include <iostream>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -67,6 +68,17 @@ std::vector<Scenario> wrap(std::index_sequence<Index...>) {
   return all;
 }
 
+// What `share` of an engine's work sets: nothing if the knob is no measure of work, or if the
+// variant does not take it.
+std::optional<double> with_share_of_work(const Knob& knob, const EngineVariant& engine,
+                                         double share) {
+  if (knob.name.find("iterations") != std::string::npos) {
+    return std::max(1.0, std::floor(share * knob.engine_default));
+  }
+  if (knob.name == "substep_s" && engine.variant == "fast") return knob.engine_default / share;
+  return std::nullopt;
+}
+
 struct Bench {
   Catalogues catalogues;
   Plan plan;
@@ -82,17 +94,15 @@ struct Bench {
   }
 
   // The suite's numbers from the starts of this trial, 1000 of which are set apart for each.
-  Suite run(const std::vector<Scenario>& scenarios_in, std::uint64_t trial,
-            double iterations) const {
+  Suite run(const std::vector<Scenario>& scenarios_in, std::uint64_t trial, double work) const {
     Catalogues with = catalogues;
     with.scenarios = scenarios_in;
     std::vector<Cell> batch = cells;
     for (Cell& cell : batch) {
       cell.seed += 1000 * trial;
       for (const Knob& knob : find_adapter(catalogues, cell.engine.engine)->knobs) {
-        if (iterations != 1.0 && knob.name.find("iterations") != std::string::npos) {
-          cell.knobs[knob.name] = std::max(1.0, std::floor(iterations * knob.engine_default));
-        }
+        const auto value = with_share_of_work(knob, cell.engine, work);
+        if (work != 1.0 && value) cell.knobs[knob.name] = *value;
       }
     }
     const RunResult result = run_cells(batch, with, {"", ""});
@@ -159,14 +169,11 @@ void print(const std::string& engine, const std::string& fault, const Count& cou
   std::cout << std::flush;
 }
 
-bool has_iterations(const Bench& bench) {
-  return std::ranges::any_of(bench.catalogues.adapters, [&](const Adapter& adapter) {
-    return std::ranges::any_of(bench.cells, [&](const Cell& cell) {
-      return cell.engine.engine == adapter.name &&
-             std::ranges::any_of(adapter.knobs, [](const Knob& knob) {
-               return knob.name.find("iterations") != std::string::npos;
-             });
-    });
+bool can_work_less(const Bench& bench) {
+  return std::ranges::any_of(bench.cells, [&](const Cell& cell) {
+    return std::ranges::any_of(
+        find_adapter(bench.catalogues, cell.engine.engine)->knobs,
+        [&](const Knob& knob) { return with_share_of_work(knob, cell.engine, 0.5).has_value(); });
   });
 }
 
@@ -179,18 +186,18 @@ void measure_faults(const Bench& bench, const std::string& engine, std::uint64_t
   struct Seeded {
     const char* name;
     std::vector<Scenario> scenarios;
-    double iterations;
+    double work;
   };
   std::vector<Seeded> faults = {{"friction -5 %", wrap<Fault::friction>(indices), 1.0},
                                 {"gravity +1 %", wrap<Fault::gravity>(indices), 1.0},
                                 {"restitution +0.05", wrap<Fault::restitution>(indices), 1.0}};
-  if (has_iterations(bench)) faults.push_back({"solver iterations halved", scenarios(), 0.5});
+  if (can_work_less(bench)) faults.push_back({"iterations or sub-steps halved", scenarios(), 0.5});
   for (const Seeded& fault : faults) {
     Count count;
     const double start = cpu_s();
     for (std::uint64_t t = 0; t < trials; ++t) {
       // The starts of the reference are those of the trial: common random numbers.
-      const Suite faulty = bench.run(fault.scenarios, seed + t, fault.iterations);
+      const Suite faulty = bench.run(fault.scenarios, seed + t, fault.work);
       count.add(compare(sound[t], faulty, how, true));
     }
     print(engine, fault.name, count, cpu_s() - start, true);
