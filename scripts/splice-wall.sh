@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# splice-scatter.sh: puts the spread of perturbed walls between the markers of docs/wall.md: `scatter` from
+# splice-wall.sh: puts the hit walls between the markers of docs/wall.md: `scatter` from
 # reports/published/wall_scatter (final energy and bricks displaced per engine), `hits` from
-# reports/published/hit_scatter (bricks moved per step, engine and iterations).
-# splice-scatter.sh --measure [PROGRAM [PLAN...]]: runs the plans wall_scatter and hit_scatter, or those named, first
-# and keeps their rows there. PROGRAM: default build/release/brickbench. A quarter of an hour on two idle
+# reports/published/hit_scatter (bricks moved per step, engine and iterations), `slow` from
+# reports/published/brick_wall_slow (the engines that the README leaves out); and between the markers `blows` of
+# docs/contact.md from reports/published/many_blows.
+# splice-wall.sh --measure [PROGRAM [PLAN...]]: runs the plans of these names, or those named, first
+# and keeps their rows there. PROGRAM: default build/release/brickbench. An hour and a half on two idle
 # cores; results do not depend on the load.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -13,12 +15,12 @@ source scripts/splice.sh
 if [ "${1:-}" = --measure ]; then
   program=${2:-build/release/brickbench}
   plans=("${@:3}")
-  if [ ${#plans[@]} -eq 0 ]; then plans=(wall_scatter hit_scatter); fi
+  if [ ${#plans[@]} -eq 0 ]; then plans=(wall_scatter hit_scatter many_blows brick_wall_slow); fi
   work=$(mktemp -d "${TMPDIR:-/tmp}/scatter.XXXXXX")
   trap 'rm -rf "$work"' EXIT
   for plan in "${plans[@]}"; do
-    "$program" sweep run "experiments/plans/$plan.toml" --out "$work/$plan-cells"
-    "$program" sweep merge "$work/$plan-cells" --out "$work/$plan"
+    "$program" sweep run "experiments/plans/$plan.toml" --out "$work/$plan-cells" --time-limit 0 || [ $? -eq 1 ]
+    "$program" sweep merge "$work/$plan-cells" --out "$work/$plan" || [ $? -eq 1 ]
     mkdir -p "reports/published/$plan"
     for file in rows.csv plan.toml provenance.json; do
       [ -r "$work/$plan/$file" ] || die "the merged sweep has no $file"
@@ -28,11 +30,14 @@ if [ "${1:-}" = --measure ]; then
     done
   done
 elif [ $# -ne 0 ]; then
-  die "usage: scripts/splice-scatter.sh [--measure [PROGRAM [PLAN...]]]"
+  die "usage: scripts/splice-wall.sh [--measure [PROGRAM [PLAN...]]]"
 fi
 page=docs/wall.md
 need_markers $page scatter
 need_markers $page hits
+need_markers $page slow
+contact=docs/contact.md
+need_markers $contact blows
 
 rows=reports/published/wall_scatter/rows.csv
 if [ ! -r "$rows" ]; then die "there is no $rows"; fi
@@ -109,4 +114,68 @@ table=$(awk -F, '
     if (failed) printf "\n%d rows of runs that failed are left out.\n", failed
   }' "$rows") || die "$rows has no perturbed runs"
 put $page hits <<<"$table"
-echo "splice-scatter: $page has the numbers of reports/published/{wall_scatter,hit_scatter}"
+
+rows=reports/published/brick_wall_slow/rows.csv
+if [ ! -r "$rows" ]; then die "there is no $rows"; fi
+table=$(awk -F, '
+  { gsub(/"[^"]*"/, "quoted") }
+  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+  {
+    engine = $column["engine"] "/" $column["variant"]
+    said = $column["outcome"]
+    if (!(engine in outcome)) { order[++engines] = engine; outcome[engine] = "ok" }
+    # That a metric does not apply says nothing of the run.
+    if (said != "ok" && said != "not_applicable") outcome[engine] = said
+    else if (said == "ok") value[engine, $column["metric"]] = $column["value"]
+  }
+  END {
+    count = split("energy_final_j energy_created_j linear_momentum_error_relative penetration_max_m bricks_displaced", metric, " ")
+    head = "| engine |"; rule = "|---|"
+    for (m = 1; m <= count; ++m) { head = head " " metric[m] " |"; rule = rule "---:|" }
+    print head " outcome |"; print rule "---|"
+    for (e = 1; e <= engines; ++e) {
+      line = "| " order[e] " |"
+      for (m = 1; m <= count; ++m) {
+        line = line ((order[e], metric[m]) in value ? sprintf(" %.4g |", value[order[e], metric[m]]) : " - |")
+      }
+      print line " " outcome[order[e]] " |"
+    }
+    if (!engines) exit 1
+  }' "$rows") || die "$rows has no runs"
+put $page slow <<<"$table"
+
+rows=reports/published/many_blows/rows.csv
+if [ ! -r "$rows" ]; then die "there is no $rows"; fi
+table=$(awk -F, '
+  { gsub(/"[^"]*"/, "quoted") }
+  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+  $column["metric"] != "penetration_max_m" { next }
+  {
+    axes = $column["axes"]
+    match(axes, /courses=[0-9]+/); courses = substr(axes, RSTART + 8, RLENGTH - 8)
+    match(axes, /speed_mps=[0-9]+/); speed = substr(axes, RSTART + 10, RLENGTH - 10)
+    who = speed SUBSEP courses
+    if (!(who in runs)) order[++walls] = who
+    ++runs[who]
+    if ($column["outcome"] != "ok") { ++failed[who]; next }
+    deep[who, ++n[who]] = $column["value"] + 0
+  }
+  END {
+    if (!walls) exit 1
+    print "| speed of the brick, m/s | courses | blows | failed | deepest overlap, mm: median | worst |"
+    print "|---:|---:|---:|---:|---:|---:|"
+    for (speed = 20; speed <= 200; speed *= 10) for (w = 1; w <= walls; ++w) {
+      split(order[w], part, SUBSEP)
+      if (part[1] != speed) continue
+      who = order[w]
+      for (i = 2; i <= n[who]; ++i) {
+        for (j = i; j > 1 && deep[who, j - 1] > deep[who, j]; --j) {
+          swap = deep[who, j]; deep[who, j] = deep[who, j - 1]; deep[who, j - 1] = swap
+        }
+      }
+      median = (deep[who, int((n[who] + 1) / 2)] + deep[who, int(n[who] / 2) + 1]) / 2
+      printf "| %d | %d | %d | %d | %.2g | %.2g |\n", speed, part[2], runs[who], failed[who], 1e3 * median, 1e3 * deep[who, n[who]]
+    }
+  }' "$rows") || die "$rows has no blows"
+put $contact blows <<<"$table"
+echo "splice-wall: $page and $contact have the numbers of reports/published/{wall_scatter,hit_scatter,brick_wall_slow,many_blows}"
