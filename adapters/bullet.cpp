@@ -278,9 +278,6 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
 }
 
 Expected<std::unique_ptr<Simulation>> build_bullet(const World& world, const Settings& settings) {
-  if (auto ranges = check_ranges(k_knobs, settings); !ranges) {
-    return tl::make_unexpected(ranges.error());
-  }
   if (settings.threads > 1) {
     return fail(Fault::unsupported, "this Bullet is built without threads; threads must be 1");
   }
@@ -302,17 +299,17 @@ Expected<std::unique_ptr<Simulation>> build_bullet(const World& world, const Set
 
 Adapter bullet_adapter() {
   const int version = btGetVersion();
-  return {
-      .name = "bullet",
-      .version = fmt::format("{}.{:02}", version / 100, version % 100),
-      .precision = btIsDoublePrecision() ? "f64" : "f32",
-      .variants = {{"si", "sequential impulses, 50 iterations, tuned"},
-                   {"nncg", "nonlinear conjugate gradients, 50 iterations, tuned"},
-                   {"default", "the library's own settings: sequential impulses, 10 iterations"}},
-      .knobs = to_knobs(k_knobs),
-      .build = &build_bullet,
-      .scheme = &bullet_scheme,
-      .asked = &asked_of_bullet};
+  const std::string precision = btIsDoublePrecision() ? "f64" : "f32";
+  return {.name = "bullet",
+          .version = fmt::format("{}.{:02}", version / 100, version % 100),
+          .variants = {{"si", "sequential impulses, 50 iterations, tuned", precision},
+                       {"nncg", "nonlinear conjugate gradients, 50 iterations, tuned", precision},
+                       {"default", "the library's own settings: sequential impulses, 10 iterations",
+                        precision}},
+          .knobs = to_knobs(k_knobs),
+          .build = &build_bullet,
+          .scheme = &bullet_scheme,
+          .asked = &asked_of_bullet};
 }
 
 }  // namespace brickbench

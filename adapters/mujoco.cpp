@@ -300,7 +300,6 @@ class MujocoSimulation final : public Simulation,
 };
 
 Expected<std::unique_ptr<Simulation>> build_mujoco(const World& world, const Settings& settings) {
-  if (auto ok = check_ranges(k_knobs, settings); !ok) return tl::unexpected(ok.error());
   if (settings.threads > 1) {
     return fail(Fault::unsupported,
                 fmt::format("{} threads: MuJoCo steps one world in one thread", settings.threads));
@@ -368,7 +367,6 @@ std::optional<Scheme> mujoco_scheme(const Settings& settings) {
 Adapter mujoco_adapter() {
   return {.name = "mujoco",
           .version = mj_versionString(),
-          .precision = "f64",
           .variants = {{"cg", "conjugate gradients, elliptic cones, stiffest contacts; tuned"},
                        {"newton", "Newton's method, elliptic cones, stiffest contacts; tuned"},
                        {"rk4", "as newton, with Runge-Kutta of order 4"},

@@ -304,9 +304,6 @@ std::optional<Scheme> ode_scheme(const Settings& settings) {
 }
 
 Expected<std::unique_ptr<Simulation>> build_ode(const World& world, const Settings& settings) {
-  if (auto ranges = check_ranges(k_knobs, settings); !ranges) {
-    return tl::make_unexpected(ranges.error());
-  }
   if (dCheckConfiguration("ODE_double_precision") == 0) {
     return fail(Fault::unsupported, "the ODE library at run time is not in double precision");
   }
@@ -319,16 +316,18 @@ Expected<std::unique_ptr<Simulation>> build_ode(const World& world, const Settin
 }  // namespace
 
 Adapter ode_adapter() {
-  return {.name = "ode",
-          .version = BRICKBENCH_ODE_VERSION,
-          .precision = dCheckConfiguration("ODE_double_precision") != 0 ? "f64" : "f32",
-          .variants = {{"quick", "QuickStep, 50 iterations, tuned"},
-                       {"dantzig", "dWorldStep (Lemke-Dantzig), tuned; for some 15 bodies at most"},
-                       {"default", "the library's own settings: QuickStep, 20 iterations"}},
-          .knobs = to_knobs(k_knobs),
-          .build = &build_ode,
-          .scheme = &ode_scheme,
-          .asked = &asked_of_ode};
+  const std::string precision = dCheckConfiguration("ODE_double_precision") != 0 ? "f64" : "f32";
+  return {
+      .name = "ode",
+      .version = BRICKBENCH_ODE_VERSION,
+      .variants = {{"quick", "QuickStep, 50 iterations, tuned", precision},
+                   {"dantzig", "dWorldStep (Lemke-Dantzig), tuned; for some 15 bodies at most",
+                    precision},
+                   {"default", "the library's own settings: QuickStep, 20 iterations", precision}},
+      .knobs = to_knobs(k_knobs),
+      .build = &build_ode,
+      .scheme = &ode_scheme,
+      .asked = &asked_of_ode};
 }
 
 }  // namespace brickbench

@@ -141,7 +141,6 @@ class FreeFlight final : public Simulation, StateView, AuditView {
 };
 
 Expected<std::unique_ptr<Simulation>> build_template(const World& world, const Settings& settings) {
-  if (auto ok = check_ranges(k_knobs, settings); !ok) return tl::unexpected(ok.error());
   if (settings.threads > 1) {
     return fail(Fault::unsupported,
                 fmt::format("{} threads: this engine has one", settings.threads));
@@ -169,7 +168,6 @@ std::optional<Scheme> template_scheme(const Settings&) {
 Adapter template_adapter() {
   return {.name = "template",
           .version = "1",
-          .precision = "f64",
           .variants = {{"free_flight", "no contact: refuses the step in which bodies may touch"}},
           .knobs = to_knobs(k_knobs),
           .build = build_template,

@@ -43,7 +43,7 @@ Json audited_engines(const std::vector<EngineVariant>& engines, const Catalogues
     array.push_back({{"engine", engine.engine},
                      {"variant", engine.variant},
                      {"version", adapter.version},
-                     {"precision", adapter.precision},
+                     {"precision", variant_of(adapter, engine.variant).precision},
                      {"settings", live_settings(adapter, engine.variant, cases, knobs)}});
   }
   return array;
@@ -69,7 +69,8 @@ Expected<void> save_validation(const std::string& folder, const std::string& fil
   for (const EngineVariant& engine : engines) {
     if (!seen.insert(engine.engine).second) continue;
     const Adapter& adapter = *find_adapter(catalogues, engine.engine);
-    provenance.engines.push_back({adapter.name, adapter.version, adapter.precision, adapter.own});
+    provenance.engines.push_back(
+        {adapter.name, adapter.version, precision_text(adapter), adapter.own});
   }
   return write_folder(folder, {{file, json.dump(2) + '\n'},
                                {"provenance.json", to_json(provenance).dump(2) + '\n'}});

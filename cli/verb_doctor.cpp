@@ -16,7 +16,7 @@ nlohmann::ordered_json doctor_json() {
   for (const Adapter& adapter : catalogues.adapters) {
     engines.push_back({{"id", adapter.name},
                        {"version", adapter.version},
-                       {"precision", adapter.precision},
+                       {"precision", precision_text(adapter)},
                        {"variants", names_of(adapter.variants)}});
   }
   auto absent = nlohmann::ordered_json::array();

@@ -22,18 +22,23 @@ Json engines_json() {
   for (const Adapter& adapter : all_catalogues().adapters) {
     auto variants = Json::array();
     for (const Variant& variant : adapter.variants) {
-      variants.push_back({{"id", variant.name}, {"meaning", variant.meaning}});
+      variants.push_back(
+          {{"id", variant.name}, {"meaning", variant.meaning}, {"precision", variant.precision}});
     }
     auto knobs = Json::array();
     for (const Knob& knob : adapter.knobs) {
       knobs.push_back({{"id", knob.name},
                        {"unit", knob.unit},
                        {"engine_default", knob.engine_default},
+                       {"minimum", knob.min},
+                       {"maximum", knob.max},
+                       {"whole", knob.whole},
+                       {"allowed", range_text(knob)},
                        {"meaning", knob.meaning}});
     }
     array.push_back({{"id", adapter.name},
                      {"version", adapter.version},
-                     {"precision", adapter.precision},
+                     {"precision", precision_text(adapter)},
                      {"own", adapter.own},
                      {"variants", variants},
                      {"knobs", knobs}});
@@ -145,6 +150,9 @@ void print_parts(const Json& parts, const char* title) {
     } else if (part.contains("choices")) {
       facts = fmt::format(" = {}, one of {}", part["default"].get<std::string>(),
                           part["choices"].dump());
+    } else if (part.contains("engine_default")) {
+      facts = fmt::format(" [{}], {}", part["unit"].get<std::string>(),
+                          part["allowed"].get<std::string>());
     } else if (part.contains("unit")) {
       facts = " [" + part["unit"].get<std::string>() + ']';
     }

@@ -1,6 +1,7 @@
 // Adapter: an engine as the harness knows it before anything is built.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,18 +27,22 @@ struct Knob {
   std::string unit;  // "1" for pure numbers
   double engine_default = 0.0;
   std::string meaning;  // one line
+  // Allowed range, both ends included.
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool whole = false;  // only whole numbers
 };
 
 // A named set of solver and settings, selected as engine/variant.
 struct Variant {
   std::string name;
   std::string meaning;  // one line: solver, and whether tuned or the library's own defaults
+  std::string precision = "f64";  // "f64", or "f32" if anything in a step is single precision
 };
 
 struct Adapter {
   std::string name;
   std::string version;            // as the library reports it: the receipt that it is linked
-  std::string precision;          // "f64" or "f32"
   std::vector<Variant> variants;  // the first is what the bare engine name means
   std::vector<Knob> knobs;
   // The world is valid and the settings name a variant and knobs of this adapter: build() below
@@ -55,7 +60,20 @@ struct Adapter {
 // The value that the user gave the knob, else `otherwise`.
 double knob_or(const Settings& settings, std::string_view name, double otherwise);
 
-// Fault::invalid unless the settings fit the adapter: positive step, known variant, known knobs.
+// The variant of that name, which the adapter has; an empty name means the first.
+const Variant& variant_of(const Adapter& adapter, std::string_view name);
+
+// The precision of the adapter's variants in one text: "f64", or "f64; fast f32" where they differ.
+std::string precision_text(const Adapter& adapter);
+
+// What the knob may be, in words: "whole numbers from 0 to 3".
+std::string range_text(const Knob& knob);
+
+// Fault::invalid where the value is not finite or out of the knob's range.
+Expected<void> validate(const Knob& knob, double value);
+
+// Fault::invalid unless the settings fit the adapter: positive step, known variant, known knobs,
+// each in its range.
 Expected<void> validate(const Adapter& adapter, const Settings& settings);
 
 // Validates world and settings, fills in the default variant, builds. An exception out of the

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -30,22 +29,10 @@ struct KnobRow {
 
 inline std::vector<Knob> to_knobs(std::span<const KnobRow> rows) {
   std::vector<Knob> knobs;
-  for (const KnobRow& row : rows) knobs.push_back({row.name, row.unit, row.library, row.meaning});
-  return knobs;
-}
-
-// Fault::invalid where the user turned a knob out of its range. The names have been checked
-// already.
-inline Expected<void> check_ranges(std::span<const KnobRow> rows, const Settings& settings) {
   for (const KnobRow& row : rows) {
-    const double value = knob_or(settings, row.name, row.library);
-    if (value < row.min || value > row.max || (row.whole && value != std::floor(value))) {
-      return fail(Fault::invalid,
-                  fmt::format("knob {} = {} {}: allowed are {}numbers from {} to {}", row.name,
-                              value, row.unit, row.whole ? "whole " : "", row.min, row.max));
-    }
+    knobs.push_back({row.name, row.unit, row.library, row.meaning, row.min, row.max, row.whole});
   }
-  return {};
+  return knobs;
 }
 
 // The user's value, else that of the variant.

@@ -105,15 +105,22 @@ std::vector<std::vector<std::string>> zip_groups(const InputValue& list,
 std::vector<Axis> knob_axes(const InputValue& table, const Selector& selector,
                             const Catalogues& catalogues) {
   expect(table, "knobs", ValueKind::table);
-  for (const EngineVariant& chosen : select(selector, catalogues)) {
-    const Adapter& adapter = *find_adapter(catalogues, chosen.engine);
-    reject_unknown(table, fmt::format("engine {} as a knob", chosen.engine),
-                   names_of(adapter.knobs));
+  std::vector<const Adapter*> chosen;
+  for (const EngineVariant& engine : select(selector, catalogues)) {
+    chosen.push_back(find_adapter(catalogues, engine.engine));
+    reject_unknown(table, fmt::format("engine {} as a knob", engine.engine),
+                   names_of(chosen.back()->knobs));
   }
   std::vector<Axis> axes;
   for (const Entry& entry : table.entries) {
     axes.push_back(axis(entry.name, entry.value, [&](const InputValue& value) {
-      return ParameterValue(finite_number(value, entry.name));
+      const double number = finite_number(value, entry.name);
+      for (const Adapter* adapter : chosen) {
+        const auto ok =
+            validate(*std::ranges::find(adapter->knobs, entry.name, &Knob::name), number);
+        if (!ok) reject(value.at, fmt::format("{}: {}", adapter->name, ok.error().reason));
+      }
+      return ParameterValue(number);
     }));
   }
   return axes;

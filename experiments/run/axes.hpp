@@ -21,7 +21,8 @@ Axis axis(const std::string& name, const InputValue& value, const Converter& con
 // The table `parameters`: an axis for each entry, checked against the scenario; throws InputError.
 std::vector<Axis> parameter_axes(const Scenario& scenario, const InputValue& table);
 
-// The table `knobs` of the engines that `selector` chooses; throws InputError.
+// The table `knobs` of the engines that `selector` chooses, each value in the knob's range; throws
+// InputError.
 std::vector<Axis> knob_axes(const InputValue& table, const Selector& selector,
                             const Catalogues& catalogues);
 

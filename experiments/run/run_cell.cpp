@@ -29,7 +29,7 @@ Row row_of(const Cell& cell, const Catalogues& catalogues, const Origin& origin)
   row.variant = cell.engine.variant;
   if (const Adapter* adapter = find_adapter(catalogues, row.engine)) {
     row.engine_version = adapter->version;
-    row.precision = adapter->precision;
+    row.precision = variant_of(*adapter, row.variant).precision;
   }
   row.revision = origin.revision;
   row.machine = origin.machine;

@@ -50,7 +50,8 @@ Provenance provenance_of(const Plan& plan, const Catalogues& catalogues) {
   provenance.analysis = plan.analysis;
   provenance.machine = this_machine();
   for (const Adapter& adapter : catalogues.adapters) {
-    provenance.engines.push_back({adapter.name, adapter.version, adapter.precision, adapter.own});
+    provenance.engines.push_back(
+        {adapter.name, adapter.version, precision_text(adapter), adapter.own});
   }
   for (const MetricInfo& metric : catalogues.metrics) {
     for (const OutputInfo& output : metric.outputs) {

@@ -88,12 +88,12 @@ Verdict audit_check(const Subject& subject) {
 Verdict receipts_check(const Subject& subject) {
   const Adapter& adapter = subject.adapter;
   if (adapter.name.empty() || adapter.version.empty()) return failed("no name or no version");
-  if (adapter.precision != "f64" && adapter.precision != "f32") return failed("precision");
   for (const Knob& knob : adapter.knobs) {
     if (knob.unit.empty() || knob.meaning.empty()) return failed("knob without unit or meaning");
   }
   for (const Variant& variant : adapter.variants) {
     if (variant.meaning.empty()) return failed("variant without meaning");
+    if (variant.precision != "f64" && variant.precision != "f32") return failed("precision");
   }
   return passed();
 }
@@ -136,6 +136,35 @@ Verdict refusal_check(const Subject& subject) {
   });
 }
 
+// Each knob beyond each end of its range, and between whole numbers: refused by every way to build.
+Verdict knob_ranges_check(const Subject& subject) {
+  return guarded([&] {
+    World world;
+    world.bodies.push_back(solid_body("brick", BoxShape{{0.1, 0.1, 0.1}}, 2000.0));
+    for (const Knob& knob : subject.adapter.knobs) {
+      std::vector<double> beyond = {std::nextafter(knob.min, -HUGE_VAL),
+                                    std::nextafter(knob.max, HUGE_VAL), HUGE_VAL, std::nan("")};
+      if (knob.whole) beyond.push_back(std::nextafter(knob.min, HUGE_VAL));
+      if (knob.min > knob.max || knob.engine_default < knob.min || knob.engine_default > knob.max) {
+        return failed(knob.name + ": the default is out of range");
+      }
+      for (const double value : beyond) {
+        Settings settings;
+        settings.variant = subject.variant;
+        settings.knobs[knob.name] = value;
+        const auto built = build(subject.adapter, world, settings);
+        const std::string what = fmt::format("{} = {}", knob.name, value);
+        const Verdict verdict = expect_fault(built, Fault::invalid, what.c_str());
+        if (verdict.outcome != Outcome::passed) return verdict;
+        if (!built.error().reason.starts_with("knob " + knob.name)) {
+          return failed(what + ": " + built.error().reason);
+        }
+      }
+    }
+    return passed();
+  });
+}
+
 // A force that no double can carry: the engine may say so or return what is not finite, but neither
 // throw nor pretend that all is well.
 Verdict overflow_check(const Subject& subject) {
@@ -174,6 +203,7 @@ std::vector<Check> bookkeeping_checks() {
       {"receipts", "name, version, precision, knobs with unit and meaning", receipts_check},
       {"audit", "the live engine holds the facts of the World", audit_check},
       {"refusals", "what is impossible is refused with a reason", refusal_check},
+      {"knob_ranges", "a knob out of its range is refused", knob_ranges_check},
       {"overflow", "an infinite force is not hidden", overflow_check},
       {"empty_world", "a world without moving bodies does no harm", empty_world_check},
   };

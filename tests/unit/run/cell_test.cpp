@@ -52,6 +52,18 @@ TEST(Cell, EveryMishapBecomesRowsWithItsReason) {
   for (const auto& [label, count] : rows) EXPECT_EQ(count, 4U) << label;
 }
 
+TEST(Cell, RowsCarryThePrecisionOfTheirVariant) {
+  std::map<std::string, std::set<std::string>> precisions;
+  for (const Row& row : run_text(k_all_engines).rows) precisions[row.variant].insert(row.precision);
+  const std::map<std::string, std::set<std::string>> expected = {{"plain", {"f64"}},
+                                                                 {"fancy", {"f32"}}};
+  EXPECT_EQ(precisions, expected);
+  const Catalogues catalogues = fake_catalogues();
+  for (const EngineRecord& engine : provenance_of({}, catalogues).engines) {
+    EXPECT_EQ(engine.precision, "f64; fancy f32") << engine.name;
+  }
+}
+
 TEST(Cell, NumbersThatAreNoneSayWhy) {
   const RunResult result = run_text(k_all_engines);
   std::map<std::string, std::string> outcome;

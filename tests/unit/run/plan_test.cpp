@@ -92,6 +92,15 @@ INSTANTIATE_TEST_SUITE_P(
                  plan_text("scenario = \"fall\"\nengines = [{ engine = \"good\", knobs = { "
                            "iteration = 3 } }]\n"),
                  "p.toml:5:41:", "did you mean 'iterations'?"},
+        BadInput{"knob_out_of_range",
+                 plan_text("scenario = \"fall\"\nengines = [{ engine = \"good\", knobs = { "
+                           "iterations = [3, 1001] } }]\n"),
+                 "p.toml:5:58:",
+                 "good: knob iterations = 1001: allowed are whole numbers from 1 to 1000"},
+        BadInput{"knob_not_whole",
+                 plan_text("scenario = \"fall\"\nengines = [{ engine = \"*/*\", knobs = { "
+                           "iterations = 2.5 } }]\n"),
+                 "p.toml:5:53:", "knob iterations = 2.5: allowed are whole numbers"},
         BadInput{"unknown_parameter", with("parameters = { mas_kg = 1 }"),
                  "p.toml:8:16:", "did you mean 'mass_kg'?"},
         BadInput{"negative_mass", with("parameters = { mass_kg = -1 }"), "p.toml:8:26:", "0.001"},
@@ -266,6 +275,8 @@ TEST(Plan, SetOverridesWithTypes) {
       {"sticky=0", "sticky=0", true},
       {"knob.iterations=7", "knob.iterations=7", true},
       {"fall.knob.iterations=7", "knob.iterations=7", true},
+      {"knob.iterations=0", "--set knob.iterations=0:1:17: good: knob iterations = 0: allowed",
+       false},
       {"mas_kg=1", "--set mas_kg=1:1:1: no experiment has 'mas_kg'; did you mean 'mass_kg'?",
        false},
       {"mass_kg=heavy", "--set mass_kg=heavy:1:9: fall: mass_kg must be a number", false},
