@@ -96,9 +96,9 @@ std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
       {"ran_out", "1", report.ran_out ? 1.0 : 0.0}};
 }
 
-// Index: the value of the knob `solver` of `lcp`.
-constexpr std::array<engine::Solver, 3> k_lcp_solvers = {&engine::solve_ipm, &engine::solve_dantzig,
-                                                         &engine::solve_nsgs};
+// Index: the value of the knob `solver` of `lcp`, the method that is tried first.
+constexpr std::array<engine::Solver, 3> k_lcp_solvers = {
+    &engine::solve_ipm_first, &engine::solve_dantzig_first, &engine::solve_nsgs_first};
 
 std::string solver_name(engine::Solver solver) {
   if (solver == &engine::solve_exact) return "exact";

@@ -7,7 +7,7 @@
 namespace ourengine {
 namespace {
 
-constexpr double kFeasible = 1e-10;  // of max |b|: a contact counts as violated beyond this
+constexpr double kFeasible = 1e-10;  // of the scale: a contact counts as violated beyond this
 // The two thresholds must fit each other: a contact refused as dependent must also pass as
 // unblocking, or it is chosen again for ever.
 constexpr double kDependent = 1e-11;  // Schur pivot over A_dd below which a contact is dependent
@@ -42,17 +42,17 @@ class Pivoting {
 
   Outcome run(const SolveOptions& options) {
     const int limit = iterations_or(options, kPivotsPerContact * std::max(count_, 20));
-    Outcome outcome;
+    Outcome outcome = no_impulses(system_, ContactLaw::kCoulomb);
     bool bounded = true;
     for (int next = most_violated(); next >= 0 && bounded && pivots_ < limit;
          next = most_violated()) {
       settled_[at(next)] = 0;
       bounded = drive_to_zero(next, limit);
     }
-    outcome.f = f_;
-    for (double& f : outcome.f) f = std::max(f, 0.0);
-    AlignedDoubles w;
-    outcome.residual = contact_residual_of(system_, outcome.f, ContactLaw::kCoulomb, outcome.v, w);
+    for (double& f : f_) f = std::max(f, 0.0);
+    AlignedDoubles v, w;
+    const double residual = contact_residual_of(system_, f_, ContactLaw::kCoulomb, v, w);
+    keep_better(outcome, f_, v, residual);
     outcome.iterations = pivots_;
     outcome.status = outcome.residual <= options.tolerance ? SolveStatus::kSolved
                      : pivots_ >= limit                    ? SolveStatus::kMaxIterations
@@ -260,11 +260,15 @@ class Pivoting {
 
 }  // namespace
 
+Outcome dantzig(const ContactSystem& system, const SolveOptions& options) {
+  return Pivoting(system).run(options);
+}
+
 ContactSolution solve_dantzig(const ContactProblem& problem, const SolveOptions& options,
                               const WarmStart& /*pivoting starts cold*/, SolverMemory& memory) {
   if (largest_friction(problem) > 0.0) return unsuitable(problem, "dantzig");
   const ContactSystem system(problem, 1, memory.symbolic);
-  return hand_back(problem, system, Pivoting(system).run(options), "dantzig");
+  return hand_back(problem, system, dantzig(system, options), "dantzig");
 }
 
 }  // namespace ourengine

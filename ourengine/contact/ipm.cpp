@@ -26,6 +26,9 @@ constexpr double kLongerBy = 1.5;  // the step that a centrality corrector aims 
 constexpr double kLongerPlus = 0.1;
 constexpr double kBand = 0.1;         // products f w outside target * (band, 1 / band) are moved
 constexpr double kLeastGain = 0.2;    // of the longer step, for a corrector to be kept
+constexpr int kCycle = 6;             // iterations in which the mean f w has not fallen ...
+constexpr double kFall = 0.9;         // ... by this factor: no more corrections
+constexpr double kPlainTarget = 0.3;  // of the mean f w: where a plain step then aims
 constexpr double kToBoundary = 0.99;  // fraction of the step to the boundary: the least ...
 constexpr double kShortOfBoundary = 1.0 - 1e-6;  // ... and the most, near the solution
 
@@ -50,8 +53,7 @@ class OrthantMethod {
 
   Outcome run(const SolveOptions& options) {
     start();
-    Outcome best;
-    best.residual = HUGE_VAL;
+    Outcome best = no_impulses(system_, ContactLaw::kCoulomb);
     const int limit = iterations_or(options, kMaxIterations);
     int iteration = 0;
     for (;; ++iteration) {
@@ -63,8 +65,7 @@ class OrthantMethod {
       }
       if (best.residual <= options.tolerance || iteration == limit) break;
       if (worth_polishing() && polish(best, options)) break;
-      if (!(complementarity_ < HUGE_VAL)) break;  // NaN included
-      step();
+      if (!goes_on() || !step()) break;
     }
     keep_best(best);
     best.iterations = iteration + polishes_;
@@ -95,7 +96,8 @@ class OrthantMethod {
     unclear_ = 0;
     for (std::size_t i = 0; i < count(); ++i) {
       const double loaded = system_.delassus()[i] * o_.f[i];
-      apparent_ = std::max(apparent_, std::abs(std::min(loaded, o_.primal[i])));
+      const double off = std::abs(std::min(loaded, o_.primal[i]));
+      apparent_ = off < HUGE_VAL ? std::max(apparent_, off) : HUGE_VAL;  // NaN included
       unclear_ += loaded > kClear * o_.w[i] && o_.w[i] > kClear * loaded ? 1 : 0;
     }
     for (std::size_t i = 0; i < n_; ++i) o_.primal[i] -= o_.w[i];
@@ -106,7 +108,18 @@ class OrthantMethod {
     complementarity_ = count() == 0 ? 0.0
                                     : ordered_dot(o_.f, o_.w, count() / 8 * 8) / mean_divisor() +
                                           tail_dot() / mean_divisor();
+    if (complementarity_ < kFall * least_complementarity_) {
+      least_complementarity_ = complementarity_;
+      rises_ = 0;
+    } else {
+      ++rises_;
+    }
+    plain_ = plain_ || rises_ >= kCycle;
   }
+
+  // Whether there is a next step: not where the products f w have come down to nothing (the method
+  // divides by them) or have left the numbers.
+  bool goes_on() const { return complementarity_ > 0.0 && apparent_ < HUGE_VAL; }
 
   double mean_divisor() const { return static_cast<double>(count()); }
   double tail_dot() const {
@@ -130,14 +143,11 @@ class OrthantMethod {
 
   // Scores the iterate of least apparent residual.
   void keep_best(Outcome& best) {
+    if (f_.empty()) return;
     for (std::size_t i = count(); i < n_; ++i) f_[i] = 0.0;
     AlignedDoubles v, w;
     const double residual = contact_residual_of(system_, f_, ContactLaw::kCoulomb, v, w);
-    if (best.f.empty() || residual < best.residual) {
-      best.f = f_;
-      best.v = v;
-      best.residual = residual;
-    }
+    keep_better(best, f_, v, residual);
   }
 
   // Primal-dual active set (Hintermueller, Ito, Kunisch 2002) from the iterate: contacts with
@@ -158,20 +168,17 @@ class OrthantMethod {
         if (!loaded) f[i] = 0.0;
       }
       if (guess > 0 && changed == 0) break;
-      cholesky_.factor(system_, d_polish_);
       ++polishes_;
+      if (!cholesky_.factor(system_, d_polish_)) break;
       solve_loaded(v, f, w);
       kept_f_ = f;
       for (double& impulse : kept_f_) impulse = std::max(impulse, 0.0);
       const double residual =
           contact_residual_of(system_, kept_f_, ContactLaw::kCoulomb, kept_v, kept_w);
-      if (residual > 0.5 * last) break;
+      keep_better(best, kept_f_, kept_v, residual);
+      if (residual <= options.tolerance) return true;
+      if (!(residual <= 0.5 * last)) break;
       last = residual;
-      if (residual > options.tolerance) continue;
-      best.f = kept_f_;
-      best.v = kept_v;
-      best.residual = residual;
-      return true;
     }
     return false;
   }
@@ -233,16 +240,39 @@ class OrthantMethod {
     return false;
   }
 
-  void step() {
+  // False if the matrix could not be factored: the iterate is as far as rounding lets it come.
+  bool step() {
     cone_kernels().orthant_scaling(o_);
     for (std::size_t i = count(); i < n_; ++i) o_.d[i] = 0.0;
     d_.assign(o_.d, o_.d + n_);
-    cholesky_.factor(system_, d_);
+    if (!cholesky_.factor(system_, d_)) return false;
     // momentum_ = J^T f - M (v - v_free)
     for (std::size_t i = 0; i < v_.size(); ++i) change_[i] = system_.free_velocity()[i] - v_[i];
     system_.multiply_mass(change_, momentum_);
     simd_kernels().multiply_jt(system_.view(), o_.f, momentum_.data());
     direction();
+    plain_ ? follow_path() : predict_and_correct();
+    const double scale = system_.scale_mps();
+    const double damping =
+        std::clamp(1.0 - complementarity_ / (scale * scale), kToBoundary, kShortOfBoundary);
+    const double length = std::min(1.0, damping * largest_step());
+    for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += length * dv_[i];
+    for (std::size_t i = 0; i < n_; ++i) {
+      o_.w[i] += length * o_.dw[i];
+      o_.f[i] += length * o_.df[i];
+    }
+    return true;
+  }
+
+  // The corrections can bring Mehrotra's method into a cycle (C. Cartis, Some disadvantages of a
+  // Mehrotra-type primal-dual corrector interior point algorithm for linear programming, Appl.
+  // Numer. Math. 59, 2009). The Newton step towards a nearby point of the central path cannot.
+  void follow_path() {
+    cone_kernels().orthant_corrector(o_, kPlainTarget * complementarity_, 0.0);
+    direction();
+  }
+
+  void predict_and_correct() {
     const double affine = std::min(1.0, largest_step());
     double after = 0.0;
     for (std::size_t i = 0; i < count(); ++i)
@@ -252,15 +282,6 @@ class OrthantMethod {
                                      kClip * complementarity_);
     direction();
     for (int k = 0; k < kCentralityCorrectors && correct_centrality(ratio); ++k) {
-    }
-    const double scale = system_.scale_mps();
-    const double damping =
-        std::clamp(1.0 - complementarity_ / (scale * scale), kToBoundary, kShortOfBoundary);
-    const double length = std::min(1.0, damping * largest_step());
-    for (std::size_t i = 0; i < v_.size(); ++i) v_[i] += length * dv_[i];
-    for (std::size_t i = 0; i < n_; ++i) {
-      o_.w[i] += length * o_.dw[i];
-      o_.f[i] += length * o_.df[i];
     }
   }
 
@@ -274,6 +295,9 @@ class OrthantMethod {
   double complementarity_ = 1.0;
   double apparent_ = 0.0;
   double least_apparent_ = HUGE_VAL;
+  double least_complementarity_ = HUGE_VAL;
+  int rises_ = 0;       // iterations since then
+  bool plain_ = false;  // without corrections
   int unclear_ = 0;
   double next_unclear_ = kPolishFrom;
   double next_polish_ = kPolishAnyway;

@@ -70,6 +70,7 @@ ContactProblem extract(const ContactProblem& problem, const Island& island) {
   ContactProblem part;
   part.step_s = problem.step_s;
   part.recovery_mps = problem.recovery_mps;
+  part.least_speed_mps = problem.least_speed_mps;
   const auto local = [&](int body) {
     return static_cast<int>(std::lower_bound(island.bodies.begin(), island.bodies.end(), body) -
                             island.bodies.begin());
@@ -86,7 +87,7 @@ ContactProblem extract(const ContactProblem& problem, const Island& island) {
   return part;
 }
 
-ContactSolution solve_islands(const ContactProblem& problem, Solver solver, ContactLaw law,
+ContactSolution solve_islands(const ContactProblem& problem, Solver solver,
                               const SolveOptions& options, const WarmStart& warm,
                               SolverMemory& memory) {
   const std::vector<Island> islands = find_islands(problem);
@@ -108,10 +109,10 @@ ContactSolution solve_islands(const ContactProblem& problem, Solver solver, Cont
     whole.iterations += part.iterations;
     whole.factorisations += part.factorisations;
     if (worse(part.status, whole.status)) whole.status = part.status;
+    whole.residual = std::max(whole.residual, part.residual);
     if (whole.method.find(part.method) == std::string::npos)
       whole.method += (whole.method.empty() ? "" : ", ") + part.method;
   }
-  whole.residual = contact_residual(problem, whole.impulse_ns, law);
   return whole;
 }
 

@@ -20,8 +20,9 @@ std::vector<Island> find_islands(const ContactProblem& problem);
 ContactProblem extract(const ContactProblem& problem, const Island& island);
 
 // Solves island by island and puts the results together: iterations and factorisations are sums,
-// the residual is that of the whole problem in the law given, and the status the worst.
-ContactSolution solve_islands(const ContactProblem& problem, Solver solver, ContactLaw law,
+// residual and status are those of the worst island, each measured against its own speeds (a brick
+// in flight elsewhere does not excuse a wall that rests).
+ContactSolution solve_islands(const ContactProblem& problem, Solver solver,
                               const SolveOptions& options, const WarmStart& warm,
                               SolverMemory& memory);
 

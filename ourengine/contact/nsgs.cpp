@@ -16,23 +16,27 @@ class GaussSeidel {
  public:
   GaussSeidel(const ContactSystem& system, const AlignedDoubles& start)
       : system_(system), n_(system.stride()), f_(start) {
-    system.velocity_of(f_, v_);
     for (int i = 0; i < system.contacts(); ++i) tangent_step_.push_back(tangent_step(i));
   }
 
   Outcome run(const SolveOptions& options) {
     const int limit = iterations_or(options, kMaxSweeps);
-    Outcome outcome;
-    outcome.residual = check(outcome);
+    Outcome outcome = no_impulses(system_, ContactLaw::kCoulomb);
+    if (!check(outcome)) {  // what cannot be started from
+      f_ = outcome.f;
+      v_ = outcome.v;
+    }
     int sweeps = 0;
-    while (outcome.residual > options.tolerance && sweeps < limit) {
+    bool finite = true;
+    while (outcome.residual > options.tolerance && sweeps < limit && finite) {
       const int until = std::min(limit, sweeps + std::max(8, sweeps / 8));
       for (; sweeps < until; ++sweeps) sweep();
-      outcome.residual = check(outcome);
+      finite = check(outcome);
     }
     outcome.iterations = sweeps;
-    outcome.status =
-        outcome.residual <= options.tolerance ? SolveStatus::kSolved : SolveStatus::kMaxIterations;
+    outcome.status = outcome.residual <= options.tolerance ? SolveStatus::kSolved
+                     : sweeps >= limit                     ? SolveStatus::kMaxIterations
+                                                           : SolveStatus::kStalled;
     return outcome;
   }
 
@@ -105,12 +109,12 @@ class GaussSeidel {
     }
   }
 
-  // The residual with the velocity recomputed, which also removes drift from v_.
-  double check(Outcome& outcome) {
-    const double residual = contact_residual_of(system_, f_, ContactLaw::kCoulomb, outcome.v, w_);
-    v_ = outcome.v;
-    outcome.f = f_;
-    return residual;
+  // Scores the impulses with the velocity recomputed, which also removes drift from v_. False if
+  // they are not finite.
+  bool check(Outcome& best) {
+    const double residual = contact_residual_of(system_, f_, ContactLaw::kCoulomb, v_, w_);
+    keep_better(best, f_, v_, residual);
+    return residual < HUGE_VAL;
   }
 
   const ContactSystem& system_;

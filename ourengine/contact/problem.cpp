@@ -52,6 +52,8 @@ double normal_bias_mps(const ProblemContact& contact, double step_s, double reco
 std::string problem_error(const ContactProblem& problem) {
   if (!(problem.step_s > 0.0) || !std::isfinite(problem.step_s)) return "step_s is not positive";
   if (!(problem.recovery_mps >= 0.0)) return "recovery_mps is below 0";
+  if (!(problem.least_speed_mps >= 0.0) || !std::isfinite(problem.least_speed_mps))
+    return "least_speed_mps is below 0 or not finite";
   if (problem.free_velocity.size() != problem.bodies.size())
     return "free_velocity and bodies differ in number";
   for (std::size_t i = 0; i < problem.bodies.size(); ++i) {

@@ -51,6 +51,9 @@ struct ContactProblem {
   double step_s = 1.0 / 240.0;
   // Overlaps are pushed apart within one step, but not faster than this.
   double recovery_mps = 1.0;
+  // What a step gives to a free body, gravity times step: the least speed against which residuals
+  // are measured (ContactSystem::scale_mps). 0 where the caller knows of none.
+  double least_speed_mps = 0.0;
   std::vector<ProblemBody> bodies;
   std::vector<Velocity6> free_velocity;  // per body: end of step under gravity and loads alone
   std::vector<ProblemContact> contacts;

@@ -54,13 +54,19 @@ class ProximalNewton {
 
   Outcome run(const SolveOptions& options, const AlignedDoubles& start) {
     const int limit = iterations_or(options, kMaxNewtonSteps);
-    centre_ = start;
-    Outcome best;
-    best.f = centre_;
-    best.residual = residual_of(centre_, best.v);
+    Outcome best = no_impulses(system_, ContactLaw::kCoulomb);
+    AlignedDoubles start_v;
+    const double start_residual = residual_of(start, start_v);
+    if (start_residual < HUGE_VAL) {
+      best = {.f = start, .v = start_v, .residual = start_residual};
+    } else {
+      best.residual = residual_of(best.f, best.v);  // also the shift is no number
+    }
+    centre_ = best.f;
     double residual = best.residual;
     v_ = best.v;
-    const bool cold = std::all_of(start.begin(), start.end(), [](double x) { return x == 0.0; });
+    const bool cold =
+        std::all_of(centre_.begin(), centre_.end(), [](double x) { return x == 0.0; });
     double softness = cold ? kColdSoftness
                            : std::clamp(kWarmSoftness * residual, kLeastWarmSoftness, kMaxSoftness);
     int since_best = 0;
@@ -78,12 +84,8 @@ class ProximalNewton {
       centre_ = f_;
       AlignedDoubles v;
       residual = residual_of(f_, v);
-      if (residual < best.residual) {
-        since_best = 0;
-        best.f = f_;
-        best.v = v;
-        best.residual = residual;
-      }
+      if (residual < best.residual) since_best = 0;
+      keep_better(best, f_, v, residual);
       softness = std::max(kLeastSoftness, (lagged_ ? kHarderLagged : kHarder) * softness);
     }
     best.iterations = steps_;

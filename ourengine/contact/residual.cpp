@@ -22,9 +22,9 @@ double contact_residual(const ContactSystem& system, const AlignedDoubles& f,
   bool finite = true;
   if (system.components() == 1) {
     for (std::size_t i = 0; i < count; ++i) {
-      const double size = std::abs(std::min(system.delassus()[i] * f[i], w[i]));
-      finite = finite && size < kInfinity;
-      worst = std::max(worst, size);
+      const double loaded = system.delassus()[i] * f[i];
+      finite = finite && std::abs(loaded) < kInfinity && std::abs(w[i]) < kInfinity;
+      worst = std::max(worst, std::abs(std::min(loaded, w[i])));
     }
     return finite ? worst / system.scale_mps() : kInfinity;
   }

@@ -38,16 +38,14 @@ class ConeMethod {
 
   Outcome run(const SolveOptions& options) {
     start();
-    Outcome best;
-    best.residual = HUGE_VAL;
+    Outcome best = no_impulses(system_, ContactLaw::kConvex);
     const int limit = iterations_or(options, kMaxIterations);
     int iteration = 0;
     for (;; ++iteration) {
       refresh();
       keep_best(best);
       if (best.residual <= options.tolerance || iteration == limit) break;
-      if (!(complementarity_ < HUGE_VAL) || rises_ > 8) break;
-      step();
+      if (!(complementarity_ > 0.0 && complementarity_ < HUGE_VAL) || rises_ > 8 || !step()) break;
     }
     best.iterations = iteration;
     best.status = best.residual <= options.tolerance ? SolveStatus::kSolved
@@ -98,11 +96,7 @@ class ConeMethod {
     for (std::size_t i = count(); i < n_; ++i) f_[i] = 0.0;
     const double residual = contact_residual_of(system_, f_, ContactLaw::kConvex, kept_v_, w_);
     rises_ = residual < best.residual ? 0 : rises_ + 1;
-    if (best.f.empty() || residual < best.residual) {
-      best.f = f_;
-      best.v = kept_v_;
-      best.residual = residual;
-    }
+    keep_better(best, f_, kept_v_, residual);
   }
 
   void direction() {
@@ -117,11 +111,12 @@ class ConeMethod {
 
   double largest_step() const { return 1.0 / std::max(ordered_max(c_.ratio, n_), 1e-300); }
 
-  void step() {
+  // False if the matrix could not be factored: the iterate is as far as rounding lets it come.
+  bool step() {
     cone_kernels().scaling(c_);
     for (std::size_t k = 0; k < 6; ++k)
       std::fill(c_.d + k * n_ + count(), c_.d + (k + 1) * n_, 0.0);
-    cholesky_.factor(system_, d_);
+    if (!cholesky_.factor(system_, d_)) return false;
     for (std::size_t i = 0; i < v_.size(); ++i) change_[i] = system_.free_velocity()[i] - v_[i];
     system_.multiply_mass(change_, momentum_);
     simd_kernels().multiply_jt(system_.view(), f_.data(), momentum_.data());
@@ -136,6 +131,7 @@ class ConeMethod {
       c_.s[i] += length * c_.ds[i];
       c_.z[i] += length * c_.dz[i];
     }
+    return true;
   }
 
   // Mehrotra's centring parameter from the complementarity after the predictor step.

@@ -13,6 +13,21 @@ double largest_friction(const ContactProblem& problem) {
   return largest;
 }
 
+Outcome no_impulses(const ContactSystem& system, ContactLaw law) {
+  Outcome outcome;
+  AlignedDoubles w;
+  outcome.f.assign(system.rows(), 0.0);
+  outcome.residual = contact_residual_of(system, outcome.f, law, outcome.v, w);
+  return outcome;
+}
+
+void keep_better(Outcome& best, const AlignedDoubles& f, const AlignedDoubles& v, double residual) {
+  if (!(residual < best.residual)) return;
+  best.f = f;
+  best.v = v;
+  best.residual = residual;
+}
+
 ContactSolution unsuitable(const ContactProblem& problem, std::string method) {
   ContactSolution solution;
   solution.velocity = problem.free_velocity;

@@ -17,6 +17,13 @@ struct Outcome {
   SolveStatus status = SolveStatus::kMaxIterations;
 };
 
+// Zero impulses and what they are worth under the law: finite, and what any other iterate must
+// beat.
+Outcome no_impulses(const ContactSystem& system, ContactLaw law);
+
+// Replaces `best` by impulses of a smaller residual; what is not finite has an infinite one.
+void keep_better(Outcome& best, const AlignedDoubles& f, const AlignedDoubles& v, double residual);
+
 inline int iterations_or(const SolveOptions& options, int standard) {
   return options.max_iterations > 0 ? options.max_iterations : standard;
 }
@@ -39,6 +46,7 @@ Outcome alm(const ContactSystem& system, const SolveOptions& options, const Alig
             BlockCholesky& cholesky);
 Outcome newton(const ContactSystem& system, const SolveOptions& options,
                const AlignedDoubles& start, BlockLu& lu);
+Outcome dantzig(const ContactSystem& system, const SolveOptions& options);
 Outcome nsgs(const ContactSystem& system, const SolveOptions& options, const AlignedDoubles& start);
 
 }  // namespace ourengine

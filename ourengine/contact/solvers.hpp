@@ -48,10 +48,20 @@ using Solver = ContactSolution (*)(const ContactProblem& problem, const SolveOpt
                                    const WarmStart& warm, SolverMemory& memory);
 
 // The default of the accurate mode: the exact law, island by island. Warm impulses that are good
-// enough are kept; else a few warm steps of `alm`; else the interior point, which is exact where
-// nothing slips; else `newton`. `method` names what gave the result.
+// enough are kept. Else methods take over from each other until one reaches the tolerance: with
+// friction a few warm steps of `alm`, the interior point `socp`, which is exact where nothing
+// slips, `newton`, `nsgs`; without friction `ipm`, `dantzig`, `nsgs`. The best iterate of all of
+// them and of no impulses at all is returned; `method` names what gave it. kStalled if it misses
+// the tolerance.
 ContactSolution solve_exact(const ContactProblem&, const SolveOptions&, const WarmStart&,
                             SolverMemory&);
+// The same for the frictionless law, with the method named as the first. kUnsuitable with friction.
+ContactSolution solve_ipm_first(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                                SolverMemory&);
+ContactSolution solve_dantzig_first(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                                    SolverMemory&);
+ContactSolution solve_nsgs_first(const ContactProblem&, const SolveOptions&, const WarmStart&,
+                                 SolverMemory&);
 // Frictionless interior point: Mehrotra's predictor-corrector with a proximal term, in velocity
 // space. The law must be frictionless (mu = 0 at all contacts), else kUnsuitable.
 ContactSolution solve_ipm(const ContactProblem&, const SolveOptions&, const WarmStart&,

@@ -58,6 +58,26 @@ double fill_row(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular,
   return product;
 }
 
+// |v| + |omega| |arm|: no less than the speed of the body's point at the arm, and free of the
+// cancellation in v + omega x arm.
+double point_speed_mps(const Velocity6& velocity, const Eigen::Vector3d& arm_m) {
+  return velocity.head<3>().norm() + velocity.tail<3>().norm() * arm_m.norm();
+}
+
+// The scale of residuals; see ContactSystem::scale_mps.
+double largest_speed_mps(const ContactProblem& problem) {
+  double largest = problem.least_speed_mps;
+  for (const ProblemContact& contact : problem.contacts) {
+    const Velocity6& a = problem.free_velocity[at(contact.body_a)];
+    const Velocity6& b = problem.free_velocity[at(contact.body_b)];
+    const double demanded =
+        std::max(0.0, -normal_bias_mps(contact, problem.step_s, problem.recovery_mps));
+    largest = std::max(largest, point_speed_mps(a, contact.arm_a_m) +
+                                    point_speed_mps(b, contact.arm_b_m) + demanded);
+  }
+  return largest > 0.0 ? largest : 1.0;
+}
+
 }  // namespace
 
 ContactSystem::ContactSystem(const ContactProblem& problem, int components, SymbolicCache& cache) {
@@ -71,14 +91,7 @@ ContactSystem::ContactSystem(const ContactProblem& problem, int components, Symb
   fill_front_pairs();
   fill_sides();
   set_view();
-  AlignedDoubles w(rows());
-  simd_kernels().multiply_j(view_, free_velocity_.data(), true, w.data());
-  double scale = 0.0;
-  for (int k = 0; k < components; ++k) {
-    for (int i = 0; i < contacts(); ++i)
-      scale = std::max(scale, std::abs(w[at(k) * stride() + at(i)]));
-  }
-  scale_mps_ = scale > 0.0 ? scale : 1.0;
+  scale_mps_ = largest_speed_mps(problem);
 }
 
 void ContactSystem::number_bodies(const ContactProblem& problem, SymbolicCache& cache) {

@@ -43,7 +43,13 @@ class ContactSystem {
   const AlignedDoubles& inverse_rows() const { return inverse_rows_; }  // M^-1 J^T, as rows
   // Internal contacts in the caller's order.
   const std::vector<int>& sweep_order() const { return sweep_order_; }
-  // max |J v_free + b| over all rows, m/s; the scale of relative residuals (1 if it is zero).
+  // The speed (m/s) against which residuals are measured, one for the whole problem:
+  //   max( least_speed_mps, max_i |v_a| + |omega_a| |arm_a| + |v_b| + |omega_b| |arm_b| + (-b_i)+
+  //   ),
+  // free velocities of the bodies at each contact i, and the separation that its bias demands. A
+  // sum of sizes cannot cancel, as the entries of J v_free + b do when a gap closes within the step
+  // to the last bit; what rounding leaves in them is always small against it. 1 if it is zero: then
+  // nothing moves and nothing is to be done.
   double scale_mps() const { return scale_mps_; }
 
   // y = M x and y = M^-1 x.

@@ -103,6 +103,7 @@ Eigen::Matrix3d Dynamics::world_inertia(std::size_t body) const {
 void Dynamics::state_problem() {
   problem_.step_s = options_.step_s;
   problem_.recovery_mps = options_.recovery_limit_mps;
+  problem_.least_speed_mps = options_.step_s * options_.gravity_mps2.norm();
   problem_.bodies.resize(bodies_.size());
   problem_.free_velocity.resize(bodies_.size());
   std::vector<Velocity6> before(bodies_.size(), Velocity6::Zero());
