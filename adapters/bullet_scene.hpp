@@ -12,8 +12,10 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 
 #include "adapters/seam/knob_table.hpp"
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench::bullet {
 
@@ -70,15 +72,20 @@ inline bool set_pair_law(btManifoldPoint& point, const btCollisionObjectWrapper*
 }
 
 inline std::unique_ptr<btCollisionShape> make_shape(const Shape& shape, double max_box_margin_m) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    auto made = std::make_unique<btBoxShape>(to_bt(box->half_extents_m));
-    made->setMargin(std::min(made->getMargin(), max_box_margin_m));
-    return made;
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    return std::make_unique<btSphereShape>(sphere->radius_m);
-  }
-  return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
+  using Made = std::unique_ptr<btCollisionShape>;
+  return by_shape(
+      shape,
+      [&](const BoxShape& box) -> Made {
+        auto made = std::make_unique<btBoxShape>(to_bt(box.half_extents_m));
+        made->setMargin(std::min(made->getMargin(), max_box_margin_m));
+        return made;
+      },
+      [](const SphereShape& ball) -> Made {
+        return std::make_unique<btSphereShape>(ball.radius_m);
+      },
+      [](const PlaneShape&) -> Made {
+        return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0);
+      });
 }
 
 inline Shape read_shape(const btCollisionShape& shape) {
@@ -87,8 +94,10 @@ inline Shape read_shape(const btCollisionShape& shape) {
       return BoxShape{from_bt(static_cast<const btBoxShape&>(shape).getHalfExtentsWithMargin())};
     case SPHERE_SHAPE_PROXYTYPE:
       return SphereShape{static_cast<const btSphereShape&>(shape).getRadius()};
-    default:
+    case STATIC_PLANE_PROXYTYPE:
       return PlaneShape{};
+    default:
+      throw std::logic_error("a shape of Bullet that this adapter never makes");
   }
 }
 

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 
 #include "adapters/mujoco_model.hpp"
 #include "adapters/seam/knob_table.hpp"
@@ -265,8 +266,11 @@ class MujocoSimulation final : public Simulation,
       case mjGEOM_SPHERE:
         body.shape = SphereShape{size.x()};
         break;
-      default:
+      case mjGEOM_PLANE:
         body.shape = PlaneShape{};
+        break;
+      default:
+        throw std::logic_error("a geom of MuJoCo that this adapter never makes");
     }
     if (!body.fixed) {
       body.mass_kg = model_->body_mass[slot.body];

@@ -13,6 +13,8 @@
 #include <set>
 #include <string>
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench::mujoco {
 namespace {
 
@@ -40,13 +42,16 @@ std::string pose(const State& state) {
 }
 
 std::string shape_attributes(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    return fmt::format("type=\"box\" size=\"{}\"", numbers(box->half_extents_m));
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    return fmt::format("type=\"sphere\" size=\"{:.17g}\"", sphere->radius_m);
-  }
-  return "type=\"plane\" size=\"0 0 1\"";  // 0 0: without end; 1: spacing of a grid nobody draws
+  return by_shape(
+      shape,
+      [](const BoxShape& box) {
+        return fmt::format("type=\"box\" size=\"{}\"", numbers(box.half_extents_m));
+      },
+      [](const SphereShape& ball) {
+        return fmt::format("type=\"sphere\" size=\"{:.17g}\"", ball.radius_m);
+      },
+      // 0 0: without end; 1: spacing of a grid nobody draws
+      [](const PlaneShape&) { return std::string("type=\"plane\" size=\"0 0 1\""); });
 }
 
 std::string friction_attributes(double friction) {

@@ -16,6 +16,7 @@
 #include <stdexcept>
 
 #include "adapters/seam/knob_table.hpp"
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench::ode {
 
@@ -112,16 +113,18 @@ inline void set_position(dGeomID geom, const State& s) {
 }
 
 inline dGeomID make_geom(dSpaceID space, const Body& fact) {
-  if (const auto* box = std::get_if<BoxShape>(&fact.shape)) {
-    const Eigen::Vector3d sides_m = 2.0 * box->half_extents_m;
-    return dCreateBox(space, sides_m.x(), sides_m.y(), sides_m.z());
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&fact.shape)) {
-    return dCreateSphere(space, sphere->radius_m);
-  }
-  const Eigen::Vector3d normal = fact.initial.orientation * Eigen::Vector3d::UnitZ();
-  return dCreatePlane(space, normal.x(), normal.y(), normal.z(),
-                      normal.dot(fact.initial.position_m));
+  return by_shape(
+      fact.shape,
+      [&](const BoxShape& box) {
+        const Eigen::Vector3d sides_m = 2.0 * box.half_extents_m;
+        return dCreateBox(space, sides_m.x(), sides_m.y(), sides_m.z());
+      },
+      [&](const SphereShape& ball) { return dCreateSphere(space, ball.radius_m); },
+      [&](const PlaneShape&) {
+        const Eigen::Vector3d normal = fact.initial.orientation * Eigen::Vector3d::UnitZ();
+        return dCreatePlane(space, normal.x(), normal.y(), normal.z(),
+                            normal.dot(fact.initial.position_m));
+      });
 }
 
 inline Shape read_shape(dGeomID geom) {
@@ -133,8 +136,10 @@ inline Shape read_shape(dGeomID geom) {
     }
     case dSphereClass:
       return SphereShape{dGeomSphereGetRadius(geom)};
-    default:
+    case dPlaneClass:
       return PlaneShape{};
+    default:
+      throw std::logic_error("a geom of ODE that this adapter never makes");
   }
 }
 

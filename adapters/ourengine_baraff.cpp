@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "adapters/ourengine_variants.hpp"
+#include "adapters/seam/shape.hpp"
 #include "ourengine/baraff/simulator.hpp"
 
 namespace brickbench {
@@ -32,14 +33,18 @@ engine::Options options_of(const World& world, const Settings& settings) {
 }
 
 engine::RigidBody to_engine(const Body& fact) {
-  engine::Solid solid = engine::Plane{};
-  if (const auto* box = std::get_if<BoxShape>(&fact.shape))
-    solid = engine::Box{box->half_extents_m};
-  if (const auto* sphere = std::get_if<SphereShape>(&fact.shape))
-    solid = engine::Sphere{sphere->radius_m};
+  using engine::Solid;
+  const Solid solid = by_shape(
+      fact.shape, [](const BoxShape& box) -> Solid { return engine::Box{box.half_extents_m}; },
+      [](const SphereShape& ball) -> Solid { return engine::Sphere{ball.radius_m}; },
+      [](const PlaneShape&) -> Solid { return engine::Plane{}; });
   return fact.fixed ? engine::make_fixed_body(solid)
                     : engine::make_body(solid, fact.mass_kg, fact.inertia_kgm2);
 }
+
+Shape read_shape(const engine::Box& box) { return BoxShape{box.half_m}; }
+Shape read_shape(const engine::Sphere& ball) { return SphereShape{ball.radius_m}; }
+Shape read_shape(const engine::Plane&) { return PlaneShape{}; }
 
 void set_state(engine::RigidBody& body, const State& state) {
   body.position_m = state.position_m;
@@ -169,14 +174,11 @@ Audit BaraffSimulation::audit() const {
   const engine::Options& o = simulator_.options();
   audit.gravity_mps2 = o.gravity_mps2;
   for (const engine::RigidBody& body : simulator_.bodies()) {
-    Shape shape = PlaneShape{};
-    if (const auto* box = std::get_if<engine::Box>(&body.solid)) shape = BoxShape{box->half_m};
-    if (const auto* ball = std::get_if<engine::Sphere>(&body.solid))
-      shape = SphereShape{ball->radius_m};
-    audit.bodies.push_back({.fixed = body.is_fixed(),
-                            .mass_kg = body.mass_kg,
-                            .inertia_kgm2 = body.inertia_body.diagonal(),
-                            .shape = shape});
+    audit.bodies.push_back(
+        {.fixed = body.is_fixed(),
+         .mass_kg = body.mass_kg,
+         .inertia_kgm2 = body.inertia_body.diagonal(),
+         .shape = std::visit([](const auto& held) { return read_shape(held); }, body.solid)});
   }
   const auto fact = [&](const char* name, const char* unit, double value) {
     audit.settings.push_back(number_fact(name, unit, value));

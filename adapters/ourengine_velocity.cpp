@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "adapters/ourengine_variants.hpp"
+#include "adapters/seam/shape.hpp"
 #include "ourengine/dynamics/dynamics.hpp"
 #include "ourengine/fast/fast_dynamics.hpp"
 
@@ -15,19 +16,23 @@ namespace {
 namespace engine = ourengine;
 
 engine::BodyModel to_model(const Body& fact, int surface) {
+  using engine::Geometry;
   engine::BodyModel model;
-  model.geometry = engine::PlaneGeometry{};
-  if (const auto* box = std::get_if<BoxShape>(&fact.shape)) {
-    model.geometry = engine::BoxGeometry{box->half_extents_m};
-  } else if (const auto* sphere = std::get_if<SphereShape>(&fact.shape)) {
-    model.geometry = engine::SphereGeometry{sphere->radius_m};
-  }
+  model.geometry = by_shape(
+      fact.shape,
+      [](const BoxShape& box) -> Geometry { return engine::BoxGeometry{box.half_extents_m}; },
+      [](const SphereShape& ball) -> Geometry { return engine::SphereGeometry{ball.radius_m}; },
+      [](const PlaneShape&) -> Geometry { return engine::PlaneGeometry{}; });
   model.fixed = fact.fixed;
   model.mass_kg = fact.mass_kg;
   model.inertia_kgm2 = fact.inertia_kgm2;
   model.surface = surface;
   return model;
 }
+
+Shape read_shape(const engine::BoxGeometry& box) { return BoxShape{box.half_m}; }
+Shape read_shape(const engine::SphereGeometry& ball) { return SphereShape{ball.radius_m}; }
+Shape read_shape(const engine::PlaneGeometry&) { return PlaneShape{}; }
 
 engine::Motion to_motion(const State& state, const engine::BodyModel& model) {
   engine::Motion motion{state.position_m, state.orientation, state.velocity_mps, {0, 0, 0}};
@@ -205,17 +210,11 @@ class VelocitySimulation final : public Simulation,
     Audit audit;
     audit.gravity_mps2 = engine_.options().gravity_mps2;
     for (const engine::BodyModel& body : engine_.bodies()) {
-      Shape shape = PlaneShape{};
-      if (const auto* box = std::get_if<engine::BoxGeometry>(&body.geometry)) {
-        shape = BoxShape{box->half_m};
-      } else if (const auto* sphere = std::get_if<engine::SphereGeometry>(&body.geometry)) {
-        shape = SphereShape{sphere->radius_m};
-      }
       audit.bodies.push_back(
           {.fixed = body.fixed,
            .mass_kg = body.fixed ? 0.0 : body.mass_kg,
            .inertia_kgm2 = body.fixed ? Eigen::Vector3d(0, 0, 0) : body.inertia_kgm2,
-           .shape = shape});
+           .shape = std::visit([](const auto& held) { return read_shape(held); }, body.geometry)});
     }
     audit.settings = facts_of(engine_.options());
     return audit;

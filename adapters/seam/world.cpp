@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
+
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench {
 namespace {
@@ -19,41 +22,31 @@ constexpr double k_inertia_triangle_slack = 1e-12;
 
 bool positive(double x) { return std::isfinite(x) && x > 0.0; }
 
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
-
 Expected<void> validate_shape(const Body& body) {
-  return std::visit(
-      Overloaded{[&](const BoxShape& box) -> Expected<void> {
-                   for (const double half : box.half_extents_m) {
-                     if (!positive(half)) {
-                       return fail(Fault::invalid,
-                                   fmt::format("body '{}': half extent {} m must be positive",
-                                               body.name, half));
-                     }
-                   }
-                   return {};
-                 },
-                 [&](const SphereShape& sphere) -> Expected<void> {
-                   if (!positive(sphere.radius_m)) {
-                     return fail(Fault::invalid,
-                                 fmt::format("body '{}': radius {} m must be positive", body.name,
-                                             sphere.radius_m));
-                   }
-                   return {};
-                 },
-                 [&](const PlaneShape&) -> Expected<void> {
-                   if (!body.fixed) {
-                     return fail(Fault::invalid,
-                                 fmt::format("body '{}': a plane must be fixed", body.name));
-                   }
-                   return {};
-                 }},
-      body.shape);
+  return by_shape(
+      body.shape,
+      [&](const BoxShape& box) -> Expected<void> {
+        for (const double half : box.half_extents_m) {
+          if (!positive(half)) {
+            return fail(Fault::invalid, fmt::format("body '{}': half extent {} m must be positive",
+                                                    body.name, half));
+          }
+        }
+        return {};
+      },
+      [&](const SphereShape& sphere) -> Expected<void> {
+        if (!positive(sphere.radius_m)) {
+          return fail(Fault::invalid, fmt::format("body '{}': radius {} m must be positive",
+                                                  body.name, sphere.radius_m));
+        }
+        return {};
+      },
+      [&](const PlaneShape&) -> Expected<void> {
+        if (!body.fixed) {
+          return fail(Fault::invalid, fmt::format("body '{}': a plane must be fixed", body.name));
+        }
+        return {};
+      });
 }
 
 Expected<void> validate_inertia(const Body& body) {
@@ -111,20 +104,29 @@ ContactLaw contact_law(const World& world, std::size_t a, std::size_t b) {
 }
 
 double solid_mass_kg(const Shape& shape, double density_kgpm3) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    return density_kgpm3 * 8.0 * box->half_extents_m.prod();
-  }
-  const double radius_m = std::get<SphereShape>(shape).radius_m;
-  return density_kgpm3 * 4.0 / 3.0 * std::numbers::pi * radius_m * radius_m * radius_m;
+  return by_shape(
+      shape, [&](const BoxShape& box) { return density_kgpm3 * 8.0 * box.half_extents_m.prod(); },
+      [&](const SphereShape& ball) {
+        const double r_m = ball.radius_m;
+        return density_kgpm3 * 4.0 / 3.0 * std::numbers::pi * r_m * r_m * r_m;
+      },
+      [](const PlaneShape&) { return std::numeric_limits<double>::infinity(); });
 }
 
 Eigen::Vector3d solid_inertia_kgm2(const Shape& shape, double mass_kg) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    const Eigen::Vector3d squares = box->half_extents_m.cwiseAbs2();
-    return mass_kg / 3.0 * (Eigen::Vector3d::Constant(squares.sum()) - squares);
-  }
-  const double radius_m = std::get<SphereShape>(shape).radius_m;
-  return Eigen::Vector3d::Constant(0.4 * mass_kg * radius_m * radius_m);
+  using Vector = Eigen::Vector3d;
+  return by_shape(
+      shape,
+      [&](const BoxShape& box) -> Vector {
+        const Vector squares = box.half_extents_m.cwiseAbs2();
+        return mass_kg / 3.0 * (Vector::Constant(squares.sum()) - squares);
+      },
+      [&](const SphereShape& ball) -> Vector {
+        return Vector::Constant(0.4 * mass_kg * ball.radius_m * ball.radius_m);
+      },
+      [](const PlaneShape&) -> Vector {
+        return Vector::Constant(std::numeric_limits<double>::infinity());
+      });
 }
 
 Body solid_body(std::string name, Shape shape, double density_kgpm3, State initial) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "ourengine/bodies/by_kind.hpp"
+
 namespace ourengine::baraff {
 namespace {
 
@@ -44,25 +46,31 @@ void add_ball_contact(std::span<const RigidBody> bodies, std::size_t ball, std::
   Collision contact;
   contact.obj1 = ball;
   contact.obj2 = other;
-  if (std::holds_alternative<Box>(partner.solid)) {
-    return add_ball_box(partner, contact, centre_m, radius_m, tolerance_m, collisions);
-  }
-  if (std::holds_alternative<Plane>(partner.solid)) {
-    const double height_m = partner.rotation.col(2).dot(centre_m - partner.position_m);
-    contact.normal = partner.rotation.col(2);
-    contact.location = centre_m - height_m * contact.normal;
-    contact.gap_m = height_m - radius_m;
-    contact.ball = BallOn::face;
-  } else {
-    const double partner_radius_m = std::get<Sphere>(partner.solid).radius_m;
-    const Eigen::Vector3d apart = centre_m - partner.position_m;
-    const double distance_m = apart.norm();
-    contact.normal = distance_m > 0.0 ? (apart / distance_m).eval() : Eigen::Vector3d::UnitZ();
-    contact.location = partner.position_m + partner_radius_m * contact.normal;
-    contact.gap_m = distance_m - radius_m - partner_radius_m;
-    contact.ball = BallOn::centre;
-  }
-  if (contact.gap_m <= tolerance_m) collisions.push_back(contact);
+  const auto keep_near = [&] {
+    if (contact.gap_m <= tolerance_m) collisions.push_back(contact);
+  };
+  by_kind(
+      partner.solid,
+      [&](const Box&) {
+        add_ball_box(partner, contact, centre_m, radius_m, tolerance_m, collisions);
+      },
+      [&](const Sphere& ball_too) {
+        const Eigen::Vector3d apart = centre_m - partner.position_m;
+        const double distance_m = apart.norm();
+        contact.normal = distance_m > 0.0 ? (apart / distance_m).eval() : Eigen::Vector3d::UnitZ();
+        contact.location = partner.position_m + ball_too.radius_m * contact.normal;
+        contact.gap_m = distance_m - radius_m - ball_too.radius_m;
+        contact.ball = BallOn::centre;
+        keep_near();
+      },
+      [&](const Plane&) {
+        const double height_m = partner.rotation.col(2).dot(centre_m - partner.position_m);
+        contact.normal = partner.rotation.col(2);
+        contact.location = centre_m - height_m * contact.normal;
+        contact.gap_m = height_m - radius_m;
+        contact.ball = BallOn::face;
+        keep_near();
+      });
 }
 
 }  // namespace ourengine::baraff

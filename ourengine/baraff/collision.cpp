@@ -5,6 +5,7 @@
 
 #include "ourengine/baraff/ball_contact.hpp"
 #include "ourengine/baraff/face_contact.hpp"
+#include "ourengine/bodies/by_kind.hpp"
 
 namespace ourengine::baraff {
 namespace {
@@ -107,19 +108,10 @@ Axis separating_axis(const RigidBody& a, const RigidBody& b) {
   return best;
 }
 
-void add_collision(std::span<const RigidBody> bodies, std::size_t i, std::size_t j,
-                   double tolerance_m, std::vector<Collision>& collisions) {
-  const bool plane_i = std::holds_alternative<Plane>(bodies[i].solid);
-  const bool plane_j = std::holds_alternative<Plane>(bodies[j].solid);
-  if (plane_i && plane_j) return;
-  if (std::holds_alternative<Sphere>(bodies[i].solid)) {
-    return add_ball_contact(bodies, i, j, tolerance_m, collisions);
-  }
-  if (std::holds_alternative<Sphere>(bodies[j].solid)) {
-    return add_ball_contact(bodies, j, i, tolerance_m, collisions);
-  }
-  if (plane_i) return add_box_plane(bodies, j, i, tolerance_m, collisions);
-  if (plane_j) return add_box_plane(bodies, i, j, tolerance_m, collisions);
+namespace {
+
+void add_box_box(std::span<const RigidBody> bodies, std::size_t i, std::size_t j,
+                 double tolerance_m, std::vector<Collision>& collisions) {
   if (out_of_reach(bodies[i], bodies[j], tolerance_m)) return;
   const Axis axis = separating_axis(bodies[i], bodies[j]);
   if (axis.gap_m > tolerance_m) return;
@@ -130,6 +122,29 @@ void add_collision(std::span<const RigidBody> bodies, std::size_t i, std::size_t
   } else {
     add_edge_contact(bodies, i, j, axis, collisions);
   }
+}
+
+}  // namespace
+
+void add_collision(std::span<const RigidBody> bodies, std::size_t i, std::size_t j,
+                   double tolerance_m, std::vector<Collision>& collisions) {
+  const auto add_ball = [&](std::size_t ball, std::size_t other) {
+    add_ball_contact(bodies, ball, other, tolerance_m, collisions);
+  };
+  const auto add_on_plane = [&](std::size_t box, std::size_t plane) {
+    add_box_plane(bodies, box, plane, tolerance_m, collisions);
+  };
+  std::visit(
+      Overloaded{
+          [&](const Box&, const Box&) { add_box_box(bodies, i, j, tolerance_m, collisions); },
+          [&](const Box&, const Sphere&) { add_ball(j, i); },
+          [&](const Box&, const Plane&) { add_on_plane(i, j); },
+          [&](const Sphere&, const Box&) { add_ball(i, j); },
+          [&](const Sphere&, const Sphere&) { add_ball(i, j); },
+          [&](const Sphere&, const Plane&) { add_ball(i, j); },
+          [&](const Plane&, const Box&) { add_on_plane(j, i); },
+          [&](const Plane&, const Sphere&) { add_ball(j, i); }, [](const Plane&, const Plane&) {}},
+      bodies[i].solid, bodies[j].solid);
 }
 
 void find_collisions(std::span<const RigidBody> bodies, double tolerance_m,

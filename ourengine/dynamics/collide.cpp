@@ -4,6 +4,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "ourengine/bodies/by_kind.hpp"
+
 namespace ourengine {
 namespace {
 
@@ -84,25 +86,29 @@ Separation separation(const A& a, const B& b, double margin_m) {
 }  // namespace
 
 double bounding_radius_m(const Geometry& geometry) {
-  if (const auto* box = std::get_if<BoxGeometry>(&geometry)) return box->half_m.norm();
-  if (const auto* sphere = std::get_if<SphereGeometry>(&geometry)) return sphere->radius_m;
-  return k_infinity;
+  return by_kind(
+      geometry, [](const BoxGeometry& box) { return box.half_m.norm(); },
+      [](const SphereGeometry& ball) { return ball.radius_m; },
+      [](const PlaneGeometry&) { return k_infinity; });
 }
 
 double thickness_m(const Geometry& geometry) {
-  if (const auto* box = std::get_if<BoxGeometry>(&geometry)) return 2.0 * box->half_m.minCoeff();
-  if (const auto* sphere = std::get_if<SphereGeometry>(&geometry)) return 2.0 * sphere->radius_m;
-  return k_infinity;
+  return by_kind(
+      geometry, [](const BoxGeometry& box) { return 2.0 * box.half_m.minCoeff(); },
+      [](const SphereGeometry& ball) { return 2.0 * ball.radius_m; },
+      [](const PlaneGeometry&) { return k_infinity; });
 }
 
 Aabb bounds(const Geometry& geometry, const Motion& motion, double margin_m) {
-  Eigen::Vector3d reach = Eigen::Vector3d::Constant(k_infinity);
-  if (const auto* box = std::get_if<BoxGeometry>(&geometry)) {
-    reach = motion.attitude.toRotationMatrix().cwiseAbs() * box->half_m;
-  } else if (const auto* sphere = std::get_if<SphereGeometry>(&geometry)) {
-    reach = Eigen::Vector3d::Constant(sphere->radius_m);
-  }
-  reach += Eigen::Vector3d::Constant(margin_m);
+  using Vector = Eigen::Vector3d;
+  Vector reach = by_kind(
+      geometry,
+      [&](const BoxGeometry& box) -> Vector {
+        return motion.attitude.toRotationMatrix().cwiseAbs() * box.half_m;
+      },
+      [](const SphereGeometry& ball) -> Vector { return Vector::Constant(ball.radius_m); },
+      [](const PlaneGeometry&) -> Vector { return Vector::Constant(k_infinity); });
+  reach += Vector::Constant(margin_m);
   return {motion.position_m - reach, motion.position_m + reach};
 }
 

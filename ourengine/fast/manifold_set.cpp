@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "ourengine/bodies/by_kind.hpp"
+
 namespace ourengine {
 namespace {
 
@@ -127,13 +129,16 @@ void ManifoldSet::bound_bodies(std::span<const Motion> motions, std::span<const 
   pool.for_ranges(motions.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const double margin_m = 0.5 * margin_m_ + poses[i].reach_m;
-      if (const auto* box = std::get_if<BoxGeometry>(&bodies_[i].geometry)) {
-        const Eigen::Vector3d reach =
-            poses[i].axes.cwiseAbs() * box->half_m + Eigen::Vector3d::Constant(margin_m);
-        boxes_[i] = {motions[i].position_m - reach, motions[i].position_m + reach};
-      } else {
-        boxes_[i] = bounds(bodies_[i].geometry, motions[i], margin_m);
-      }
+      const auto bound = [&] { return bounds(bodies_[i].geometry, motions[i], margin_m); };
+      boxes_[i] = by_kind(
+          bodies_[i].geometry,
+          [&](const BoxGeometry& box) -> Aabb {
+            const Eigen::Vector3d reach =
+                poses[i].axes.cwiseAbs() * box.half_m + Eigen::Vector3d::Constant(margin_m);
+            return {motions[i].position_m - reach, motions[i].position_m + reach};
+          },
+          [&](const SphereGeometry&) { return bound(); },
+          [&](const PlaneGeometry&) { return bound(); });
     }
   });
 }
