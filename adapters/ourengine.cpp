@@ -12,6 +12,7 @@
 #include <map>
 
 #include "adapters/ourengine_variants.hpp"
+#include "ourengine/baraff/simulator.hpp"
 
 namespace brickbench {
 namespace {
@@ -129,10 +130,12 @@ Scheme baraff_scheme(const Settings& settings) {
   };
   Scheme scheme;
   scheme.source =
-      "Darji & Alur, Explosion Simulator, \"Rigid body physics\"; Baraff, Rigid Body Simulation I";
-  scheme.position = PositionRule::old_velocity;
+      "Darji & Alur, Explosion Simulator, \"Rigid body physics\"; Baraff, Rigid Body Simulation I; "
+      "Hairer & Vilmart 2006";
+  const bool forward_euler = value("forward_euler") == 1.0;
+  scheme.position = forward_euler ? PositionRule::old_velocity : PositionRule::middle_momentum;
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
-  scheme.attitude = AttitudeRule::normalised_euler;
+  scheme.attitude = forward_euler ? AttitudeRule::normalised_euler : AttitudeRule::moser_veselov;
   if (value("max_bisections") > 0.0) return scheme;
   scheme.sequential =
       SequentialContact{.margin_m = value("contact_tolerance_m"),
@@ -140,7 +143,8 @@ Scheme baraff_scheme(const Settings& settings) {
                         .most_sweeps = static_cast<int>(value("max_collision_sweeps")),
                         .velocity_share = value("velocity_share"),
                         .overlap_share = value("overlap_share"),
-                        .overlap_slop_m = value("overlap_slop_m")};
+                        .overlap_slop_m = value("overlap_slop_m"),
+                        .slow_hit_steps = ourengine::baraff::Options{}.slow_hit_steps};
   return scheme;
 }
 

@@ -27,6 +27,8 @@ engine::Options options_of(const World& world, const Settings& settings) {
           .collision_velocity_mps = value("collision_velocity_mps"),
           .max_collision_sweeps = static_cast<int>(value("max_collision_sweeps")),
           .velocity_share = value("velocity_share"),
+          .motion = value("forward_euler") == 1.0 ? engine::Motion::forward_euler
+                                                  : engine::Motion::constant_force,
           .overlap_share = value("overlap_share"),
           .overlap_slop_m = value("overlap_slop_m"),
           .max_bisections = static_cast<int>(value("max_bisections"))};
@@ -96,7 +98,8 @@ class BaraffSimulation final : public Simulation,
                     {"collisions_unfinished", "1", report.collisions_unfinished ? 1.0 : 0.0},
                     {"overlap_energy_j", "J", report.overlap_energy_j},
                     {"collision_energy_j", "J", report.collision_energy_j},
-                    {"euler_energy_j", "J", report.euler_energy_j},
+                    {"motion_energy_j", "J", report.motion_energy_j},
+                    {"unsolved", "1", report.unsolved ? 1.0 : 0.0},
                     {"failed", "1", report.failed ? 1.0 : 0.0}};
     for (const engine::RigidBody& body : simulator_.bodies()) {
       if (!body.position_m.allFinite() || !body.orientation.coeffs().allFinite() ||
@@ -187,6 +190,7 @@ Audit BaraffSimulation::audit() const {
   fact("contact_tolerance_m", "m", o.contact_tolerance_m);
   fact("collision_velocity_mps", "m/s", o.collision_velocity_mps);
   fact("max_collision_sweeps", "1", o.max_collision_sweeps);
+  fact("forward_euler", "1", o.motion == engine::Motion::forward_euler ? 1.0 : 0.0);
   fact("velocity_share", "1", o.velocity_share);
   fact("overlap_share", "1", o.overlap_share);
   fact("overlap_slop_m", "m", o.overlap_slop_m);

@@ -18,6 +18,8 @@ inline constexpr std::array k_baraff_knobs = {
             "slower approach is resting contact and does not bounce"},
     KnobRow{"max_collision_sweeps", "1", 20000, 20000, 1, 1e6, true,
             "sweeps of colliding contact per step"},
+    KnobRow{"forward_euler", "1", 1, 0, 0, 1, true,
+            "1: the paper's motion of bodies; 0: exact for a force that is held over the step"},
     KnobRow{"velocity_share", "1", 0, 1, 0, 1, false,
             "share of a resting contact's normal velocity that its force undoes per step"},
     KnobRow{"overlap_share", "1", 0, 1, 0, 1, false,

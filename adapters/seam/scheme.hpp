@@ -14,6 +14,7 @@ enum class PositionRule {
   old_velocity,        // explicit Euler: x += h v, v += h a; attitudes turn with the old spin too
   new_velocity,        // semi-implicit (symplectic) Euler: v += h a, x += h v
   mean_velocity,       // exact for constant a: x += h v + h^2/2 a
+  middle_momentum,     // mean_velocity; attitudes turn with the mean of old and new momentum too
   mean_unless_pushed,  // mean_velocity in steps without contact impulse, else new_velocity
   runge_kutta_4,       // classical: four stages of velocity and acceleration, also in contact
 };
@@ -105,9 +106,14 @@ struct SequentialContact {
   double collision_velocity_mps = 0.0;  // a slower approach is resting contact
   int most_sweeps = 0;
   double velocity_share = 0.0;  // of a resting contact's normal velocity, undone within the step
-  // Overlaps beyond the slop: this share is undone first, by the smallest moves, momenta held.
+  // Where gap + h v leaves an overlap beyond the slop at the step's end, v the velocity after the
+  // hits that moves the bodies (PositionRule), this share of it is undone last, before the step's
+  // motion: by the smallest moves, momenta held.
   double overlap_share = 0.0;
   double overlap_slop_m = 0.0;
+  // Not where a contact separates faster than the collision velocity, unless it was hit in this
+  // step at less than this many steps of gravity.
+  double slow_hit_steps = 0.0;
 };
 
 // The set of friction forces that a contact of normal force N admits.

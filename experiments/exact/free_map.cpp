@@ -77,8 +77,10 @@ Quaterniond moser_veselov(const Quaterniond& q, const Vector3d& inertia, const V
 void turn_freely(const Scheme& scheme, const Vector3d& inertia, const Vector3d& torque_world,
                  double h, State& state) {
   const Vector3d before = state.angular_velocity_radps;
-  push_momentum(inertia, h * torque_world, state);
+  const bool middle = scheme.position == PositionRule::middle_momentum;
+  push_momentum(inertia, (middle ? 0.5 : 1.0) * h * torque_world, state);
   turn_with_momentum(scheme, inertia, before, h, state);
+  if (middle) push_momentum(inertia, 0.5 * h * torque_world, state);
 }
 
 }  // namespace
@@ -124,6 +126,7 @@ void advance_position(PositionRule rule, const Vector3d& old_velocity, double h,
       state.position_m += h * state.velocity_mps;
       break;
     case PositionRule::mean_velocity:
+    case PositionRule::middle_momentum:
     case PositionRule::mean_unless_pushed:
     case PositionRule::runge_kutta_4:
       state.position_m += 0.5 * h * (old_velocity + state.velocity_mps);

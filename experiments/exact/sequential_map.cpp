@@ -162,45 +162,6 @@ MatrixXd responses(const ExactRun& run, const std::vector<TouchingPoint>& points
   return a;
 }
 
-// The smallest moves that leave no overlap, momenta held.
-bool undo_overlaps(const SequentialContact& law, const ExactRun& run,
-                   std::vector<TouchingPoint>& points, std::span<State> states, std::string& why) {
-  const auto deep = [&](const TouchingPoint& p) { return p.gap_m < -law.overlap_slop_m; };
-  if (law.overlap_share == 0.0 || std::ranges::none_of(points, deep)) return true;
-  VectorXd gaps(static_cast<Index>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double gap_m = points[i].gap_m;
-    gaps[static_cast<Index>(i)] = gap_m < 0.0 ? law.overlap_share * gap_m : gap_m;
-    if (!points[i].plain) {
-      why = "overlapping faces tilt against each other: their crossing edges are not listed";
-      return false;
-    }
-  }
-  const auto pushes = complementarity(responses(run, points, states), gaps);
-  if (!pushes) {
-    why = "the moves out of an overlap do not settle";
-    return false;
-  }
-  std::vector<State> moves(states.begin(), states.end());
-  for (State& s : moves) s.velocity_mps = s.angular_velocity_radps = Vector3d::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    push(run, points[i], (*pushes)[static_cast<Index>(i)], moves);
-  }
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const Body& body = run.world.bodies[i];
-    if (body.fixed) continue;
-    State& s = states[i];
-    const Vector3d momentum = spin_momentum_nms(body, s);
-    s.position_m += moves[i].velocity_mps;
-    s.orientation = next_attitude(AttitudeRule::normalised_euler, s.orientation,
-                                  moves[i].angular_velocity_radps, 1.0);
-    s.angular_velocity_radps =
-        s.orientation * (s.orientation.conjugate() * momentum).cwiseQuotient(body.inertia_kgm2);
-  }
-  points = touching_points(run, states, law.margin_m);
-  return true;
-}
-
 // Hits contact after contact until none approaches faster than the threshold.
 bool hit_one_by_one(const SequentialContact& law, const ExactRun& run,
                     const std::vector<TouchingPoint>& points, std::span<State> states,
@@ -283,6 +244,78 @@ bool rest(const SequentialContact& law, const ExactRun& run,
   return true;
 }
 
+// (points): m/s, positive when separating.
+VectorXd velocities(const ExactRun& run, const std::vector<TouchingPoint>& points,
+                    std::span<const State> states) {
+  VectorXd all(static_cast<Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    all[static_cast<Index>(i)] = Pair(run, points[i], states).velocity_mps();
+  }
+  return all;
+}
+
+// (points): the gaps that the motion of the step would leave, to first order in its way; met_mps:
+// velocities before the hits. No overlap where a point parts by itself.
+VectorXd gaps_after(const Scheme& scheme, const ExactRun& run,
+                    const std::vector<TouchingPoint>& points, const VectorXd& met_mps,
+                    std::span<const State> states, std::span<const Wrench> wrenches) {
+  const PositionRule rule = scheme.position;
+  std::vector<State> moving(states.begin(), states.end());
+  for (std::size_t i = 0; rule != PositionRule::old_velocity && i < states.size(); ++i) {
+    const Body& body = run.world.bodies[i];
+    if (body.fixed) continue;
+    const double middle_s = 0.5 * run.step_s;
+    moving[i].velocity_mps +=
+        middle_s * (run.world.gravity_mps2 + wrenches[i].force_n / body.mass_kg);
+    push_momentum(body.inertia_kgm2, middle_s * wrenches[i].torque_nm, moving[i]);
+  }
+  const double slowest = scheme.sequential->collision_velocity_mps;
+  const double slow_hit =
+      scheme.sequential->slow_hit_steps * run.step_s * run.world.gravity_mps2.norm();
+  const VectorXd now_mps = velocities(run, points, states);
+  VectorXd gaps = run.step_s * velocities(run, points, moving);
+  for (Index i = 0; i < gaps.size(); ++i) {
+    gaps[i] += points[static_cast<std::size_t>(i)].gap_m;
+    const bool slowly_hit = met_mps[i] < -slowest && met_mps[i] >= -slow_hit;
+    if (now_mps[i] > slowest && !slowly_hit) gaps[i] = std::max(gaps[i], 0.0);
+  }
+  return gaps;
+}
+
+// The smallest moves after which the motion of the step leaves no overlap, momenta held.
+bool undo_overlaps(const SequentialContact& law, const ExactRun& run,
+                   const std::vector<TouchingPoint>& points, const VectorXd& gaps,
+                   std::span<State> states, std::string& why) {
+  if (gaps.minCoeff() >= -law.overlap_slop_m) return true;
+  if (!std::ranges::all_of(points, &TouchingPoint::plain)) {
+    why = "overlapping faces tilt against each other: their crossing edges are not listed";
+    return false;
+  }
+  const VectorXd wanted = gaps.cwiseMax(0.0) + law.overlap_share * gaps.cwiseMin(0.0);
+  const auto pushes = complementarity(responses(run, points, states), wanted);
+  if (!pushes) {
+    why = "the moves out of an overlap do not settle";
+    return false;
+  }
+  std::vector<State> moves(states.begin(), states.end());
+  for (State& s : moves) s.velocity_mps = s.angular_velocity_radps = Vector3d::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    push(run, points[i], (*pushes)[static_cast<Index>(i)], moves);
+  }
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const Body& body = run.world.bodies[i];
+    if (body.fixed) continue;
+    State& s = states[i];
+    const Vector3d momentum = spin_momentum_nms(body, s);
+    s.position_m += moves[i].velocity_mps;
+    s.orientation = next_attitude(AttitudeRule::normalised_euler, s.orientation,
+                                  moves[i].angular_velocity_radps, 1.0);
+    s.angular_velocity_radps =
+        s.orientation * (s.orientation.conjugate() * momentum).cwiseQuotient(body.inertia_kgm2);
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const State> states,
@@ -318,11 +351,15 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
 bool advance_sequential(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                         std::span<State> states, std::string& why) {
   const SequentialContact& law = *scheme.sequential;
-  std::vector<TouchingPoint> points = touching_points(run, states, law.margin_m);
-  if (!undo_overlaps(law, run, points, states, why)) return false;
+  const std::vector<TouchingPoint> points = touching_points(run, states, law.margin_m);
+  const VectorXd met_mps = velocities(run, points, states);
   if (!hit_one_by_one(law, run, points, states, why)) return false;
   std::vector<Wrench> forces(wrenches.begin(), wrenches.end());
   if (!points.empty() && !rest(law, run, points, states, forces, why)) return false;
+  if (law.overlap_share > 0.0 && !points.empty()) {
+    const VectorXd gaps = gaps_after(scheme, run, points, met_mps, states, forces);
+    if (!undo_overlaps(law, run, points, gaps, states, why)) return false;
+  }
   for (std::size_t i = 0; i < states.size(); ++i) {
     const Body& body = run.world.bodies[i];
     if (body.fixed) continue;

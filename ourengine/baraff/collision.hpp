@@ -35,6 +35,7 @@ struct Collision {
   bool vertex_face = true;
   BallOn ball = BallOn::none;
   double gap_m = 0.0;       // negative: penetration
+  double met_mps = 0.0;     // relative normal velocity before the response, filled in by the step
   double impulse_ns = 0.0;  // along the normal on obj1, filled in by the response
 };
 

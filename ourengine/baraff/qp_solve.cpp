@@ -13,7 +13,7 @@ namespace {
 constexpr double k_regular = 1e-9;    // of A_ii, added to the diagonal
 constexpr double k_pivot = 1e-11;     // of A_dd: below it a contact depends on C
 constexpr double k_change = 1e-7;     // of sqrt(A_ii A_dd): a smaller change does not block
-constexpr double k_feasible = 1e-11;  // of max|b|
+constexpr double k_feasible = 1e-11;  // of s, see qp_solve.hpp
 constexpr double k_harris = 0.1;      // of the feasibility tolerance, given way in the ratio test
 constexpr double k_accepted = 1e-9;   // residual above which the regularised method is tried
 constexpr double k_usable = 1e-6;     // residual above which the solve has failed
@@ -25,17 +25,22 @@ constexpr double k_infinite = std::numeric_limits<double>::infinity();
 // `none`: not looked after yet.
 enum class Set : unsigned char { none, clamped, free };
 
+double scale_of(const Eigen::VectorXd& b, double term_size) {
+  return b.size() == 0 ? term_size : std::max(term_size, b.cwiseAbs().maxCoeff());
+}
+
 class Dantzig {
  public:
-  Dantzig(const SparseMatrix& a_matrix, const Eigen::VectorXd& b, double regular)
+  Dantzig(const SparseMatrix& a_matrix, const Eigen::VectorXd& b, double term_size, double regular)
       : a_matrix_(a_matrix),
         b_(b),
+        term_size_(term_size),
         unregular_(a_matrix.diagonal()),
         diagonal_((1.0 + regular) * unregular_),
         factor_(b.size()),
         in_(static_cast<std::size_t>(b.size()), Set::none),
         place_(static_cast<std::size_t>(b.size()), -1),
-        tolerance_(k_feasible * b.cwiseAbs().maxCoeff()),
+        tolerance_(k_feasible * scale_of(b, term_size)),
         cap_(4 * static_cast<int>(b.size()) + 100) {
     result_.force = Eigen::VectorXd::Zero(b.size());
     result_.acceleration = b;
@@ -234,7 +239,7 @@ class Dantzig {
     for (int round = 0;; ++round) {
       result_.acceleration = a_matrix_ * result_.force + b_;
       result_.residual =
-          complementarity_residual(a_matrix_, b_, result_.force, result_.acceleration);
+          complementarity_residual(a_matrix_, b_, result_.force, result_.acceleration, term_size_);
       if (round == k_refinements || result_.residual <= k_solved || clamped_.empty()) return;
       Eigen::VectorXd left(factor_.size());
       for (std::size_t k = 0; k < clamped_.size(); ++k) {
@@ -250,6 +255,7 @@ class Dantzig {
 
   const SparseMatrix& a_matrix_;
   const Eigen::VectorXd& b_;
+  double term_size_;
   Eigen::VectorXd unregular_, diagonal_;
   ClampedFactor factor_;
   std::vector<Eigen::Index> clamped_;  // order of the factor's rows
@@ -265,7 +271,8 @@ class Dantzig {
 }  // namespace
 
 double complementarity_residual(const SparseMatrix& a_matrix, const Eigen::VectorXd& b,
-                                const Eigen::VectorXd& force, const Eigen::VectorXd& acceleration) {
+                                const Eigen::VectorXd& force, const Eigen::VectorXd& acceleration,
+                                double term_size) {
   const Eigen::VectorXd scaled = a_matrix.diagonal().cwiseProduct(force);
   double worst = 0.0;
   for (Eigen::Index i = 0; i < b.size(); ++i) {
@@ -273,19 +280,21 @@ double complementarity_residual(const SparseMatrix& a_matrix, const Eigen::Vecto
     if (!(violation < k_infinite) || std::isnan(scaled[i])) return k_infinite;
     worst = std::max(worst, violation);
   }
-  const double scale = b.size() == 0 ? 0.0 : b.cwiseAbs().maxCoeff();
+  const double scale = scale_of(b, term_size);
   return scale > 0.0 ? worst / scale : worst;
 }
 
-QpResult qp_solve(const SparseMatrix& a_matrix, const Eigen::VectorXd& b) {
+QpResult qp_solve(const SparseMatrix& a_matrix, const Eigen::VectorXd& b, double term_size) {
   if (b.size() == 0) return {};
   if (!b.allFinite()) {
-    QpResult failure{Eigen::VectorXd::Zero(b.size()), b, k_infinite, 0, 0, true};
-    return failure;
+    return {.force = Eigen::VectorXd::Zero(b.size()),
+            .acceleration = b,
+            .residual = k_infinite,
+            .failed = true};
   }
-  QpResult plain = Dantzig(a_matrix, b, 0.0).solve();
+  QpResult plain = Dantzig(a_matrix, b, term_size, 0.0).solve();
   if (!plain.failed && plain.residual <= k_accepted) return plain;
-  QpResult regular = Dantzig(a_matrix, b, k_regular).solve();
+  QpResult regular = Dantzig(a_matrix, b, term_size, k_regular).solve();
   QpResult& better = regular.residual < plain.residual ? regular : plain;
   const int pivots = plain.pivots + regular.pivots;
   const int zero_steps = plain.zero_steps + regular.zero_steps;

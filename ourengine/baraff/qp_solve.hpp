@@ -11,10 +11,11 @@
 //  never
 //    enters it: C changes by the contacts that leave. A change of an acceleration below
 //    1e-7 sqrt(A_ii A_dd) stops no step.
-//  * Ties in maxstep: among all contacts that would stop a step within 1e-12 max|b| of each other,
+//  * Ties in maxstep: among all contacts that would stop a step within 1e-12 s of each other,
 //    the one that changes fastest does (P. M. J. Harris, Pivot selection methods of the Devex LP
 //    code, Math. Programming 5 (1973)). This keeps a 10x10 wall from cycling.
-//  * An acceleration above -1e-11 max|b| counts as not negative.
+//  * An acceleration above -1e-11 s counts as not negative, s the larger of max|b| and the size of
+//    the terms that b is the sum of: where these cancel, b is nothing but their rounding.
 //  * Where this ends above a residual of 1e-9 the same method runs on A + 1e-9 diag(A), which is
 //    regular; `retried` says so. The clamped forces are then corrected for A itself, and the better
 //    of both results is returned; residuals are always those of A.
@@ -31,18 +32,20 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 struct QpResult {
   Eigen::VectorXd force;         // (contacts)
   Eigen::VectorXd acceleration;  // (contacts), A f + b computed from the final f
-  double residual = 0.0;         // max |min(A_ii f_i, a_i)| / max|b|; infinite if not finite
+  double residual = 0.0;         // max |min(A_ii f_i, a_i)| / s; infinite if not finite
   int pivots = 0;                // changes of the clamped set
   int zero_steps = 0;            // pivots of length zero
   bool retried = false;          // on the regularised matrix
   bool failed = false;           // residual above 1e-6 or not finite
 };
 
-// A: (contacts, contacts) symmetric positive semidefinite; b: (contacts).
-QpResult qp_solve(const SparseMatrix& a_matrix, const Eigen::VectorXd& b);
+// A: (contacts, contacts) symmetric positive semidefinite; b: (contacts); term_size: of the terms
+// of b, in its unit, see s above.
+QpResult qp_solve(const SparseMatrix& a_matrix, const Eigen::VectorXd& b, double term_size = 0.0);
 
-// max |min(A_ii f_i, a_i)| / max|b|: zero exactly when all three conditions hold.
+// max |min(A_ii f_i, a_i)| / s: zero exactly when all three conditions hold.
 double complementarity_residual(const SparseMatrix& a_matrix, const Eigen::VectorXd& b,
-                                const Eigen::VectorXd& force, const Eigen::VectorXd& acceleration);
+                                const Eigen::VectorXd& force, const Eigen::VectorXd& acceleration,
+                                double term_size = 0.0);
 
 }  // namespace ourengine::baraff

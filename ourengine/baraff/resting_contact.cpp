@@ -1,5 +1,7 @@
 #include "ourengine/baraff/resting_contact.hpp"
 
+#include <algorithm>
+
 namespace ourengine::baraff {
 namespace {
 
@@ -126,6 +128,21 @@ Eigen::VectorXd compute_b_vector(std::span<const RigidBody> bodies,
         2.0 * ndot.dot(slip) - ndot.squaredNorm() * (point1 - point2).norm();
   }
   return b;
+}
+
+double term_size(std::span<const RigidBody> bodies, std::span<const Collision> contacts,
+                 double per_s) {
+  double largest = 0.0;
+  for (const Collision& contact : contacts) {
+    const auto [point1, point2] = points_of(bodies, contact);
+    const auto size_at = [&](const RigidBody& body, const Eigen::Vector3d& point) {
+      return free_acceleration(body, point).norm() +
+             per_s * velocity_of_point_on_body(body, point).norm();
+    };
+    largest = std::max(
+        largest, size_at(bodies[contact.obj1], point1) + size_at(bodies[contact.obj2], point2));
+  }
+  return largest;
 }
 
 }  // namespace ourengine::baraff

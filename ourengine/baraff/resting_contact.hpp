@@ -34,4 +34,9 @@ SparseMatrix compute_a_matrix(std::span<const RigidBody> bodies,
 Eigen::VectorXd compute_b_vector(std::span<const RigidBody> bodies,
                                  std::span<const Collision> contacts);
 
+// Size (m/s2) of the terms whose sum is b, and of the velocities of both bodies times `per_s`: the
+// rounding of b is some 1e-16 of it, however much of them cancels.
+double term_size(std::span<const RigidBody> bodies, std::span<const Collision> contacts,
+                 double per_s);
+
 }  // namespace ourengine::baraff

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ourengine/integration/constant_force.hpp"
 #include "ourengine/integration/forward_euler.hpp"
 
 namespace ourengine::baraff {
@@ -14,6 +15,7 @@ constexpr int k_bisection_halvings = 60;
 
 Options paper_options() {
   Options options;
+  options.motion = Motion::forward_euler;
   options.velocity_share = 0.0;
   options.overlap_share = 0.0;
   return options;
@@ -44,9 +46,10 @@ const StepReport& Simulator::step() {
   while (left_s > 0.0) {
     accumulate_forces();
     find_collisions(bodies_, options_.contact_tolerance_m, collisions_);
+    for (Collision& contact : collisions_) {
+      contact.met_mps = relative_normal_velocity(bodies_, contact);
+    }
     const double start_j = energy();
-    separate_overlaps();
-    const double separated_j = energy();
     const int sweeps =
         colliding_contact(bodies_, collisions_, restitution_, options_.collision_velocity_mps,
                           options_.max_collision_sweeps);
@@ -54,11 +57,14 @@ const StepReport& Simulator::step() {
     report_.collisions_unfinished |= sweeps > options_.max_collision_sweeps;
     const double collided_j = energy();
     resting_contact(left_s);
+    separate_overlaps(left_s);
+    const double separated_j = energy();
     left_s -= move(left_s);
-    report_.overlap_energy_j += separated_j - start_j;
-    report_.collision_energy_j += collided_j - separated_j;
-    report_.euler_energy_j += energy() - collided_j;
+    report_.collision_energy_j += collided_j - start_j;
+    report_.overlap_energy_j += separated_j - collided_j;
+    report_.motion_energy_j += energy() - separated_j;
   }
+  report_.unsolved = report_.collisions_unfinished || report_.overlaps_left > 0 || report_.failed;
   std::ranges::fill(loads_, Load{});
   return report_;
 }
@@ -70,21 +76,41 @@ void Simulator::accumulate_forces() {
   }
 }
 
-// Smallest moves, measured by kinetic energy, that leave no contact deeper than the slop: the
-// system of the resting contacts with displacements in place of accelerations.
-void Simulator::separate_overlaps() {
-  if (options_.overlap_share == 0.0 || deepest_gap() >= -options_.overlap_slop_m) return;
-  const auto n = static_cast<Eigen::Index>(collisions_.size());
-  Eigen::VectorXd gap(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double gap_m = collisions_[static_cast<std::size_t>(i)].gap_m;
-    gap[i] = gap_m < 0.0 ? options_.overlap_share * gap_m : gap_m;
+bool Simulator::parts_by_itself(const Collision& contact) const {
+  const double threshold_mps = options_.collision_velocity_mps;
+  if (collision_type(bodies_, contact, threshold_mps) != ContactType::separating) return false;
+  const double slow_mps = options_.slow_hit_steps * options_.step_s * options_.gravity_mps2.norm();
+  return contact.met_mps >= -threshold_mps || contact.met_mps < -slow_mps;
+}
+
+// (collisions): gap plus the normal way of the step at the velocities that move the bodies; no
+// overlap where a contact parts by itself.
+Eigen::VectorXd Simulator::gaps_after(double step_s) const {
+  std::vector<RigidBody> moving = bodies_;
+  if (options_.motion == Motion::constant_force) {
+    for (RigidBody& body : moving) push(body, 0.5 * step_s);
   }
-  const QpResult solved = qp_solve(compute_a_matrix(bodies_, collisions_), gap);
+  Eigen::VectorXd gap_m(static_cast<Eigen::Index>(collisions_.size()));
+  for (Eigen::Index i = 0; i < gap_m.size(); ++i) {
+    const Collision& contact = collisions_[static_cast<std::size_t>(i)];
+    gap_m[i] = contact.gap_m + step_s * relative_normal_velocity(moving, contact);
+    if (parts_by_itself(contact)) gap_m[i] = std::max(gap_m[i], 0.0);
+  }
+  return gap_m;
+}
+
+// Smallest moves, measured by kinetic energy, after which the motion of the step leaves no contact
+// deeper than the slop: the system of the resting contacts with displacements in place of
+// accelerations.
+void Simulator::separate_overlaps(double step_s) {
+  if (options_.overlap_share == 0.0 || collisions_.empty()) return;
+  const Eigen::VectorXd gap_m = gaps_after(step_s);
+  if (gap_m.minCoeff() >= -options_.overlap_slop_m) return;
+  const Eigen::VectorXd wanted_m =
+      gap_m.cwiseMax(0.0) + options_.overlap_share * gap_m.cwiseMin(0.0);
+  const QpResult solved = qp_solve(compute_a_matrix(bodies_, collisions_), wanted_m);
   report_.overlap_residual = std::max(report_.overlap_residual, solved.residual);
-  report_.pivots += solved.pivots;
-  report_.zero_steps += solved.zero_steps;
-  report_.retried += solved.retried ? 1 : 0;
+  count(solved);
   if (solved.failed) {
     ++report_.overlaps_left;
     return;
@@ -97,8 +123,9 @@ void Simulator::separate_overlaps() {
     body.torque_nm.setZero();
     compute_derived(body);
   }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    apply_collision(moves, collisions_[static_cast<std::size_t>(i)], solved.force[i]);
+  for (Eigen::Index i = 0; i < gap_m.size(); ++i) {
+    Collision pushed = collisions_[static_cast<std::size_t>(i)];
+    apply_collision(moves, pushed, solved.force[i]);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     forward_euler(moves[i], 1.0);  // its velocities are displacements
@@ -106,7 +133,12 @@ void Simulator::separate_overlaps() {
     bodies_[i].orientation = moves[i].orientation;
     compute_derived(bodies_[i]);
   }
-  find_collisions(bodies_, options_.contact_tolerance_m, collisions_);
+}
+
+void Simulator::count(const QpResult& solved) {
+  report_.pivots += solved.pivots;
+  report_.zero_steps += solved.zero_steps;
+  report_.retried += solved.retried ? 1 : 0;
 }
 
 void Simulator::resting_contact(double step_s) {
@@ -122,16 +154,15 @@ void Simulator::resting_contact(double step_s) {
   }
   report_.resting_contacts = std::max(report_.resting_contacts, static_cast<int>(resting.size()));
   if (!resting.empty()) {
+    const double per_s = options_.velocity_share / step_s;
     Eigen::VectorXd b = compute_b_vector(bodies_, resting);
     for (Eigen::Index i = 0; i < b.size(); ++i) {
-      b[i] += options_.velocity_share / step_s *
-              relative_normal_velocity(bodies_, resting[static_cast<std::size_t>(i)]);
+      b[i] += per_s * relative_normal_velocity(bodies_, resting[static_cast<std::size_t>(i)]);
     }
-    const QpResult solved = qp_solve(compute_a_matrix(bodies_, resting), b);
+    const QpResult solved =
+        qp_solve(compute_a_matrix(bodies_, resting), b, term_size(bodies_, resting, per_s));
     report_.complementarity_residual = std::max(report_.complementarity_residual, solved.residual);
-    report_.pivots += solved.pivots;
-    report_.zero_steps += solved.zero_steps;
-    report_.retried += solved.retried ? 1 : 0;
+    count(solved);
     report_.failed |= solved.failed;
     for (std::size_t i = 0; !solved.failed && i < resting.size(); ++i) {
       const Collision& contact = resting[i];
@@ -148,7 +179,8 @@ void Simulator::resting_contact(double step_s) {
 }
 
 void Simulator::integrate(double step_s) {
-  for (RigidBody& body : bodies_) forward_euler(body, step_s);
+  const auto move = options_.motion == Motion::forward_euler ? &forward_euler : &constant_force;
+  for (RigidBody& body : bodies_) move(body, step_s);
 }
 
 double Simulator::energy() const {

@@ -15,6 +15,11 @@
 
 namespace ourengine::baraff {
 
+// How bodies move through a step under its forces, which are held:
+//  * forward_euler: the paper; positions and attitudes advance with the velocities of the start.
+//  * constant_force: with those of the middle, see integration/constant_force.hpp.
+enum class Motion { forward_euler, constant_force };
+
 struct Options {
   double step_s = 0.001;
   Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
@@ -24,9 +29,16 @@ struct Options {
   // Share of a resting contact's normal velocity v that its force must undo in one step: b gains
   // share v / h. 0: accelerations alone (the paper); 1: no resting contact is left approaching.
   double velocity_share = 1.0;
+  Motion motion = Motion::constant_force;
   // Share of each overlap beyond overlap_slop_m that is undone per step by moving the bodies apart,
-  // velocities untouched. 0: overlaps stay (the paper).
+  // momenta untouched: of the overlap that the step's motion would leave. Contacts are looked for
+  // once per step, impulses and forces act where the bodies touch, the moves come last: none is
+  // lost in between. 0: overlaps stay (the paper).
   double overlap_share = 1.0;
+  // A contact that separates parts by its own velocity and is not moved apart, which would lift it
+  // for nothing; unless it was met slower than this many steps of gravity: such hits follow each
+  // other in every step.
+  double slow_hit_steps = 2.0;
   double overlap_slop_m = 1e-7;
   // Baraff, Rigid Body Simulation II, section 7: a step that would overlap is cut at the time of
   // contact, found by bisection to contact_tolerance_m; at most this many cuts per step. 0: none.
@@ -55,10 +67,11 @@ struct StepReport {
   int bisections = 0;
   int overlaps_left = 0;  // overlap solves that failed: nothing was moved apart
   bool failed = false;    // a resting solve failed; its forces were not applied
+  bool unsolved = false;  // any of collisions_unfinished, overlaps_left and failed
   // Change of kinetic plus potential energy (J, gravity alone) in the three parts of the step.
-  double overlap_energy_j = 0.0;    // moving overlaps apart, momenta held
   double collision_energy_j = 0.0;  // impulses; not above 0 for restitutions up to 1
-  double euler_energy_j = 0.0;      // forward Euler with the resting forces and loads
+  double overlap_energy_j = 0.0;    // moving overlaps apart, momenta held
+  double motion_energy_j = 0.0;     // motion under gravity, resting forces and loads
 };
 
 class Simulator {
@@ -80,10 +93,13 @@ class Simulator {
 
  private:
   void accumulate_forces();
-  void separate_overlaps();
+  void separate_overlaps(double step_s);
+  void count(const QpResult& solved);
   void resting_contact(double step_s);
   double move(double step_s);
   void integrate(double step_s);
+  Eigen::VectorXd gaps_after(double step_s) const;
+  bool parts_by_itself(const Collision& contact) const;
   double deepest_gap();
   double energy() const;
 

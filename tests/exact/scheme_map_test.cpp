@@ -107,6 +107,7 @@ TEST(SchemeMap, ProjectileLagsAndLeadsByHalfAStep) {
   worst.see(z(PositionRule::new_velocity) - (exact - 0.5 * g * h * t), "semi-implicit");
   worst.see(z(PositionRule::old_velocity) - (exact + 0.5 * g * h * t), "explicit");
   worst.see(z(PositionRule::mean_velocity) - exact, "mean");
+  worst.see(z(PositionRule::middle_momentum) - exact, "middle");
   worst.see(z(PositionRule::runge_kutta_4) - exact, "Runge-Kutta");
   EXPECT_TRUE(worst.within(k_sums));
 }

@@ -36,7 +36,8 @@ Scheme sequential_scheme(double share) {
                                         .most_sweeps = 20000,
                                         .velocity_share = share,
                                         .overlap_share = share,
-                                        .overlap_slop_m = 1e-7};
+                                        .overlap_slop_m = 1e-7,
+                                        .slow_hit_steps = 2.0};
   return scheme;
 }
 
@@ -175,6 +176,38 @@ TEST(SequentialMap, OverlapIsUndoneWithoutVelocity) {
   std::vector<State> kept = start_of(run);
   one_step(run, 0.0, kept);
   EXPECT_DOUBLE_EQ(kept[1].position_m.z(), half.z() - 1e-3);
+}
+
+TEST(SequentialMap, OverlapThatPartsByItselfIsLeftToItsVelocity) {
+  const Vector3d half(0.3, 0.2, 0.1);
+  const ExactRun run = box_on(floor_slab(), half, -1e-3);
+  Worst worst;
+  for (const double speed_mps : {0.002, 0.5, 20.0}) {
+    std::vector<State> states = start_of(run);
+    states[1].velocity_mps.z() = speed_mps;
+    one_step(run, 1.0, states);
+    worst.see(states[1].position_m.z() - (half.z() - 1e-3 + speed_mps * run.step_s), "height");
+    worst.see(states[1].velocity_mps.z() - (speed_mps - k_gravity_mps2 * run.step_s), "velocity");
+  }
+  EXPECT_TRUE(worst.within(k_rest));
+}
+
+TEST(SequentialMap, MovesUndoWhatTheStepsMotionWouldLeave) {
+  // Slower than the threshold: the force undoes the velocity, the position still takes it along.
+  const Vector3d half(0.3, 0.2, 0.1);
+  const ExactRun run = box_on(floor_slab(), half, -1e-3);
+  Worst worst;
+  for (const PositionRule rule : {PositionRule::old_velocity, PositionRule::middle_momentum}) {
+    Scheme scheme = sequential_scheme(1.0);
+    scheme.position = rule;
+    std::vector<State> states = start_of(run);
+    states[1].velocity_mps.z() = -5e-4;
+    std::string why;
+    ASSERT_TRUE(advance_sequential(scheme, run, std::vector<Wrench>(2), states, why)) << why;
+    worst.see(states[1].position_m.z() - half.z(), "height");
+    worst.see(states[1].velocity_mps.norm(), "velocity");
+  }
+  EXPECT_TRUE(worst.within(k_rest));
 }
 
 TEST(SequentialMap, BallRollsRoundAnotherWithItsCentripetalForce) {

@@ -160,5 +160,13 @@ TEST(QpSolve, TenByTenWallTakesFewPivots) {
   EXPECT_TRUE(worst.within(k_solve_residual));
 }
 
+TEST(QpSolve, SaysThatItFailedWhereAnInputIsNotFinite) {
+  SparseMatrix one(1, 1);
+  one.coeffRef(0, 0) = 1.0;
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    EXPECT_TRUE(qp_solve(one, Eigen::VectorXd::Constant(1, bad)).failed) << bad;
+  }
+}
+
 }  // namespace
 }  // namespace ourengine::baraff

@@ -14,6 +14,8 @@ using brickbench::testing::Worst;
 constexpr double k_step_s = 0.001;
 constexpr double k_gravity_mps2 = 9.81;
 constexpr Tolerance k_energy{"energy_share", 4e-15, 2.3e-16, "rounding of sums of 30 bricks"};
+constexpr Tolerance k_tumble{"energy_share", 1e-13, 1.4e-14,
+                             "rounding of 500 steps of up to 150 parts each"};
 constexpr Tolerance k_speed{"speed_mps", 2e-15, 1.1e-16, "one impulse"};
 
 double energy_j(std::span<const RigidBody> bodies) {
@@ -63,20 +65,40 @@ double euler_bound_j(std::span<const RigidBody> bodies, std::span<const Collisio
   return bound_j;
 }
 
+Options euler_options() {
+  Options options;
+  options.motion = Motion::forward_euler;
+  return options;
+}
+
 TEST(StepEnergy, FreeFallGainsExactlyTheEulerTerm) {
   std::vector<RigidBody> bodies = {testing::brick({0.1, 0.05, 0.05}, {0, 0, 5})};
-  Simulator simulator(bodies, RestitutionTable::Zero(1, 1), Options{});
+  Simulator simulator(bodies, RestitutionTable::Zero(1, 1), euler_options());
   const double scale_j = energy_j(simulator.bodies());
   Worst worst;
   for (int i = 0; i < 100; ++i) {
-    worst.see((simulator.step().euler_energy_j - euler_of_gravity_j(bodies)) / scale_j,
+    worst.see((simulator.step().motion_energy_j - euler_of_gravity_j(bodies)) / scale_j,
               "step " + std::to_string(i));
   }
   EXPECT_TRUE(worst.within(k_energy));
 }
 
+// Without contact forces, held forces leave the energy of a tumbling fall as it is.
+TEST(StepEnergy, TumblingFallKeepsItsEnergy) {
+  Worst worst;
+  for (const double spin_radps : {0.0, 10.0, 300.0, 3000.0}) {
+    std::vector<RigidBody> bodies = {testing::brick({0.1, 0.05, 0.03}, {0, 0, 5})};
+    set_velocity(bodies[0], {1, 2, 3}, spin_radps * Eigen::Vector3d(0.1, 1.0, 0.2));
+    Simulator simulator(bodies, RestitutionTable::Zero(1, 1), Options{});
+    const double start_j = energy_j(simulator.bodies());
+    for (int i = 0; i < 500; ++i) simulator.step();
+    worst.see((energy_j(simulator.bodies()) - start_j) / start_j, std::to_string(spin_radps));
+  }
+  EXPECT_TRUE(worst.within(k_tumble));
+}
+
 TEST(StepEnergy, RisesOfAThrownBrickAreOverlapAndEulerTerms) {
-  Simulator simulator(testing::thrown_brick(), RestitutionTable::Zero(1, 1), Options{});
+  Simulator simulator(testing::thrown_brick(), RestitutionTable::Zero(1, 1), euler_options());
   const double start_j = energy_j(simulator.bodies());
   double before_j = start_j;
   double risen_j = 0.0;
@@ -90,15 +112,15 @@ TEST(StepEnergy, RisesOfAThrownBrickAreOverlapAndEulerTerms) {
     const std::string where = "step " + std::to_string(i);
     const double after_j = energy_j(simulator.bodies());
     unexplained.see((after_j - before_j - report.overlap_energy_j - report.collision_energy_j -
-                     report.euler_energy_j) /
+                     report.motion_energy_j) /
                         start_j,
                     where);
     created.see(std::max(0.0, report.collision_energy_j) / start_j, where);
     const double bound = euler_bound_j(simulator.bodies(), simulator.contacts());
-    over_bound.see(std::max(0.0, report.euler_energy_j - bound) / start_j, where);
+    over_bound.see(std::max(0.0, report.motion_energy_j - bound) / start_j, where);
     risen_j += std::max(0.0, after_j - before_j);
     overlap_j += std::max(0.0, report.overlap_energy_j);
-    euler_j += std::max(0.0, report.euler_energy_j);
+    euler_j += std::max(0.0, report.motion_energy_j);
     collision_j += report.collision_energy_j;
     bound_j += bound;
     before_j = after_j;
@@ -168,6 +190,50 @@ TEST(Step, PaperLeavesTheOverlapThatTheDefaultRemoves) {
   };
   EXPECT_LE(left_m(Options{}), 2.0 * Options{}.overlap_slop_m);
   EXPECT_GT(left_m(paper_options()), 1e-3);
+}
+
+// Without gravity what holds a squeezed brick is rounding alone: no step may be called unsolved.
+TEST(Step, SqueezedBrickWithoutLoadIsSolved) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(0.1 * trial, Eigen::Vector3d(1, 2, 3).normalized()));
+    std::vector<RigidBody> bodies;
+    for (const double side : {-1.0, 1.0}) {
+      bodies.push_back(make_fixed_body(Box{{0.5, 0.5, 0.5}}));
+      bodies.back().position_m = turn * Eigen::Vector3d(0, 0, side * 0.55);
+      bodies.back().orientation = turn;
+    }
+    bodies.push_back(testing::brick({0.1, 0.05, 0.05}, {0, 0, 0}));
+    bodies.back().orientation = turn;
+    set_velocity(bodies.back(), turn * Eigen::Vector3d(3, 1, 0), {0, 0, 0});
+    Options options;
+    options.gravity_mps2.setZero();
+    Simulator simulator(bodies, RestitutionTable::Zero(1, 1), options);
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_FALSE(simulator.step().unsolved) << "trial " << trial << " step " << i;
+    }
+  }
+}
+
+// What no solve and no sweep can settle is told, in whatever part of the step.
+TEST(Step, TellsWhatItLeavesUnsolved) {
+  std::vector<RigidBody> endless = testing::tower(3);
+  for (std::size_t i = 1; i < endless.size(); ++i) set_velocity(endless[i], {0, 0, -3}, {0, 0, 0});
+  Options one_sweep;
+  one_sweep.max_collision_sweeps = 1;
+  Simulator hasty(endless, RestitutionTable::Constant(1, 1, 0.9), one_sweep);
+  EXPECT_TRUE(hasty.step().collisions_unfinished);
+  EXPECT_TRUE(hasty.report().unsolved);
+
+  // A brick of 0.1 m between walls 0.09 m apart.
+  std::vector<RigidBody> wedged = {make_fixed_body(Box{{0.5, 0.5, 0.5}}),
+                                   make_fixed_body(Box{{0.5, 0.5, 0.5}}),
+                                   testing::brick({0.1, 0.05, 0.05}, {0, 0, 0})};
+  wedged[0].position_m.z() = -0.545;
+  wedged[1].position_m.z() = 0.545;
+  Simulator stuck(wedged, RestitutionTable::Zero(1, 1), Options{});
+  EXPECT_GT(stuck.step().overlaps_left, 0);
+  EXPECT_TRUE(stuck.report().unsolved);
 }
 
 }  // namespace
