@@ -104,6 +104,9 @@ class BulletSimulation final : public Simulation,
   Audit audit() const override;
   ContactLaw pair_law(std::size_t a, std::size_t b) const override;
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+  Flags flags() const override { return flags_; }
+  // The sweeps are counted, not judged, and a manifold has four points by design.
+  Flags tellable() const override { return Flags(Flag::clamped); }
 
  private:
   State state_of(std::size_t i) const;
@@ -113,6 +116,7 @@ class BulletSimulation final : public Simulation,
   Settings settings_;
   std::unique_ptr<Scene> scene_;
   std::vector<Diagnostic> diagnostics_;
+  Flags flags_;
 };
 
 State BulletSimulation::state_of(std::size_t i) const {
@@ -144,6 +148,8 @@ Expected<void> BulletSimulation::inspect() {
     if (turn_rad >= k_max_turn_rad * (1.0 - 1e-12)) clamped += 1.0;
   }
   diagnostics_ = {{"spin_clamped_bodies", "1", clamped}};
+  flags_ = {};
+  flags_.raise(Flag::clamped, clamped > 0.0);
   if (scene_->watched != nullptr) {
     diagnostics_.push_back(
         {"last_sweep_velocity_change_mps", "m/s", std::sqrt(scene_->watched->residual_m2ps2)});
@@ -185,6 +191,7 @@ Expected<void> BulletSimulation::set_state(std::span<const State> states) {
   facts_ = std::move(next);
   scene_ = std::make_unique<Scene>(facts_, settings_);
   diagnostics_.clear();
+  flags_ = {};
   return {};
 }
 

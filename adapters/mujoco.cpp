@@ -216,6 +216,7 @@ class MujocoSimulation final : public Simulation,
   Expected<void> set_state(std::span<const State> states) override {
     mj_resetData(model_.get(), data_.get());  // time, warm start, contacts, warnings
     put(states);
+    flags_ = {};
     return {};
   }
 
@@ -232,6 +233,14 @@ class MujocoSimulation final : public Simulation,
   }
 
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+  Flags flags() const override { return flags_; }
+  // Dropped contacts and rows would have failed the step. With a second solver the iterations are
+  // the sum of both.
+  Flags tellable() const override {
+    Flags flags(Flag::contacts_dropped);
+    flags.raise(Flag::unsolved, model_->opt.noslip_iterations == 0);
+    return flags;
+  }
 
  private:
   bool has_bad_numbers() const {
@@ -290,6 +299,11 @@ class MujocoSimulation final : public Simulation,
                     Diagnostic{"solver_improvement", "1", stat.improvement},
                     Diagnostic{"constraint_rows", "1", static_cast<double>(data_->nefc)},
                     Diagnostic{"contact_points", "1", static_cast<double>(data_->ncon)}};
+    const mjOption& option = model_->opt;
+    flags_ = {};
+    flags_.raise(Flag::unsolved,
+                 option.noslip_iterations == 0 && data_->solver_iter >= option.iterations &&
+                     stat.gradient >= option.tolerance && stat.improvement >= option.tolerance);
   }
 
   mujoco::ModelPtr model_;
@@ -301,6 +315,7 @@ class MujocoSimulation final : public Simulation,
       Diagnostic{"solver_iterations", "1", 0.0}, Diagnostic{"solver_gradient", "1", 0.0},
       Diagnostic{"solver_improvement", "1", 0.0}, Diagnostic{"constraint_rows", "1", 0.0},
       Diagnostic{"contact_points", "1", 0.0}};
+  Flags flags_;
 };
 
 Expected<std::unique_ptr<Simulation>> build_mujoco(const World& world, const Settings& settings) {

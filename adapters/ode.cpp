@@ -78,10 +78,13 @@ class OdeSimulation final : public Simulation, ContactView, StateView, AuditView
   Audit audit() const override;
   ContactLaw pair_law(std::size_t a, std::size_t b) const override;
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+  Flags flags() const override { return flags_; }
+  Flags tellable() const override;
 
  private:
   State state_of(std::size_t i) const;
   void collide(dGeomID a, dGeomID b);
+  bool is_cut(dGeomID a, dGeomID b, int found) const;
   dSurfaceParameters surface(std::size_t a, std::size_t b) const;
   Eigen::Vector3d free_velocity_mps(dBodyID body, const dReal* point_m) const;
   void align_friction(dContact& point) const;
@@ -95,6 +98,7 @@ class OdeSimulation final : public Simulation, ContactView, StateView, AuditView
   double lcp_messages_ = 0.0;  // since the start
   std::unique_ptr<Scene> scene_;
   std::vector<Diagnostic> diagnostics_;
+  Flags flags_;
 };
 
 State OdeSimulation::state_of(std::size_t i) const {
@@ -142,12 +146,27 @@ void OdeSimulation::align_friction(dContact& point) const {
   Eigen::Map<Eigen::Vector3d>(point.fdir1) = slip.normalized();
 }
 
+// Whether ODE has more points for the pair than the room that collide() gave it.
+bool OdeSimulation::is_cut(dGeomID a, dGeomID b, int found) const {
+  if (found < static_cast<int>(points_.size())) return false;
+  std::array<dContactGeom, k_most_points> all;
+  return dCollide(a, b, k_most_points, all.data(), static_cast<int>(sizeof(dContactGeom))) > found;
+}
+
+// QuickStep counts its sweeps and knows no tolerance; the exact solver says when it gave up.
+Flags OdeSimulation::tellable() const {
+  Flags flags(Flag::contacts_dropped);
+  flags.raise(Flag::unsolved, settings_.variant == "dantzig");
+  return flags;
+}
+
 // Makes the contact joints between two geoms, the moving body first, so that ODE swaps none.
 void OdeSimulation::collide(dGeomID a, dGeomID b) {
   if (dGeomGetBody(a) == nullptr) std::swap(a, b);
   if (dGeomGetBody(a) == nullptr) return;
   const int found = dCollide(a, b, static_cast<int>(points_.size()), &points_[0].geom,
                              static_cast<int>(sizeof(dContact)));
+  flags_.raise(Flag::contacts_dropped, is_cut(a, b, found));
   for (int k = 0; k < found; ++k) {
     dContact& point = points_[static_cast<std::size_t>(k)];
     point.surface = surface(index_of(a), index_of(b));
@@ -162,6 +181,7 @@ void OdeSimulation::collide(dGeomID a, dGeomID b) {
 Expected<void> OdeSimulation::step() {
   const Session session(seed_);
   scene_->touches.clear();
+  flags_ = {};
   try {
     dSpaceCollide(scene_->space, this, [](void* self, dGeomID a, dGeomID b) {
       static_cast<OdeSimulation*>(self)->collide(a, b);
@@ -175,6 +195,7 @@ Expected<void> OdeSimulation::step() {
   }
   dJointGroupEmpty(scene_->joints);
   lcp_messages_ += messages().count;
+  flags_.raise(Flag::unsolved, messages().count > 0);
   diagnostics_ = {{"solver_messages", "1", static_cast<double>(messages().count)},
                   {"solver_messages_total", "1", lcp_messages_}};
   for (std::size_t i = 0; i < facts_.bodies.size(); ++i) {
@@ -211,6 +232,7 @@ Expected<void> OdeSimulation::set_state(std::span<const State> states) {
   seed_ = 0;
   lcp_messages_ = 0.0;
   diagnostics_.clear();
+  flags_ = {};
   const Session session(seed_);
   scene_ = std::make_unique<Scene>(facts_, settings_);
   return {};

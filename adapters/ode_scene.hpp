@@ -26,6 +26,9 @@ inline constexpr double k_infinity = std::numeric_limits<double>::infinity();
 // Below this slip (m/s) a contact keeps the friction axes that ODE would choose.
 inline constexpr double k_no_slip_mps = 1e-9;
 
+// More points than ODE makes for any pair of its shapes that we use: eight for two boxes.
+inline constexpr int k_most_points = 64;
+
 inline constexpr std::array k_knobs = {
     KnobRow{"iterations", "1", 20, 50, 1, 1e6, true, "sweeps of QuickStep"},
     KnobRow{"over_relaxation", "1", 1.3, 1.3, 0.1, 1.9, false, "over-relaxation of QuickStep"},

@@ -101,6 +101,9 @@ class BaraffSimulation final : public Simulation,
                     {"motion_energy_j", "J", report.motion_energy_j},
                     {"unsolved", "1", report.unsolved ? 1.0 : 0.0},
                     {"failed", "1", report.failed ? 1.0 : 0.0}};
+    flags_ = {};
+    flags_.raise(Flag::unsolved, report.collisions_unfinished || report.failed);
+    flags_.raise(Flag::overlap_left, report.overlaps_left > 0);
     for (const engine::RigidBody& body : simulator_.bodies()) {
       if (!body.position_m.allFinite() || !body.orientation.coeffs().allFinite() ||
           !body.velocity_mps.allFinite() || !body.angular_velocity_radps.allFinite()) {
@@ -130,6 +133,8 @@ class BaraffSimulation final : public Simulation,
   const AuditView* audit_view() const override { return this; }
   const DiagnosticView* diagnostic_view() const override { return this; }
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+  Flags flags() const override { return flags_; }
+  Flags tellable() const override { return Flags(Flag::unsolved, Flag::overlap_left); }
 
   // The engine's normal points from obj2 to obj1, the seam's from a to b.
   void contacts(std::vector<Contact>& contacts) const override {
@@ -157,6 +162,7 @@ class BaraffSimulation final : public Simulation,
     }
     simulator_.set_bodies(bodies);
     diagnostics_.clear();
+    flags_ = {};
     return {};
   }
 
@@ -170,6 +176,7 @@ class BaraffSimulation final : public Simulation,
  private:
   engine::Simulator simulator_;
   std::vector<Diagnostic> diagnostics_;
+  Flags flags_;
 };
 
 Audit BaraffSimulation::audit() const {

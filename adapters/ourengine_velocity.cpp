@@ -101,6 +101,25 @@ std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
       {"ran_out", "1", report.ran_out ? 1.0 : 0.0}};
 }
 
+Flags flags_of(const engine::StepReport& report) {
+  Flags flags;
+  flags.raise(Flag::unsolved, report.status != engine::SolveStatus::kSolved);
+  flags.raise(Flag::overlap_left, report.overlap_left_m > 0.0 || report.ran_out);
+  return flags;
+}
+
+// Its sweeps are counted, not judged: there is no tolerance to miss.
+Flags flags_of(const engine::FastReport& report) {
+  Flags flags;
+  flags.raise(Flag::overlap_left, report.overlap_left_m > 0.0 || report.ran_out);
+  return flags;
+}
+
+constexpr Flags tellable_of(const engine::StepReport&) {
+  return Flags(Flag::unsolved, Flag::overlap_left);
+}
+constexpr Flags tellable_of(const engine::FastReport&) { return Flags(Flag::overlap_left); }
+
 // Index: the value of the knob `solver` of `lcp`, the method that is tried first.
 constexpr std::array<engine::Solver, 3> k_lcp_solvers = {
     &engine::solve_ipm_first, &engine::solve_dantzig_first, &engine::solve_nsgs_first};
@@ -161,7 +180,9 @@ class VelocitySimulation final : public Simulation,
   }
 
   Expected<void> step() override {
-    diagnostics_ = diagnostics_of(engine_.step());
+    const auto& report = engine_.step();
+    diagnostics_ = diagnostics_of(report);
+    flags_ = flags_of(report);
     for (const engine::Motion& motion : engine_.motions()) {
       if (!motion.position_m.allFinite() || !motion.attitude.coeffs().allFinite() ||
           !motion.velocity_mps.allFinite() || !motion.angular_momentum_kgm2ps.allFinite()) {
@@ -182,6 +203,8 @@ class VelocitySimulation final : public Simulation,
   const AuditView* audit_view() const override { return this; }
   const DiagnosticView* diagnostic_view() const override { return this; }
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
+  Flags flags() const override { return flags_; }
+  Flags tellable() const override { return tellable_of(engine_.report()); }
 
   void contacts(std::vector<Contact>& contacts) const override {
     contacts.clear();
@@ -203,6 +226,7 @@ class VelocitySimulation final : public Simulation,
     }
     engine_.set_motions(motions);
     diagnostics_.clear();
+    flags_ = {};
     return {};
   }
 
@@ -228,6 +252,7 @@ class VelocitySimulation final : public Simulation,
  private:
   Engine engine_;
   std::vector<Diagnostic> diagnostics_;
+  Flags flags_;
 };
 
 template <typename Engine, typename Options>

@@ -78,6 +78,7 @@ nlohmann::ordered_json to_json(const BenchEntry& entry) {
           {"is_base", entry.is_base},
           {"outcome", entry.outcome},
           {"reason", entry.reason},
+          {"validity", entry.validity},
           {"rounds", entry.rounds},
           {"repeatable", entry.repeatable},
           {"cpu_per_simulated_s", to_json(entry.cost)},
@@ -107,17 +108,20 @@ std::vector<TableCell> table_row(const BenchEntry& entry) {
     engine += fmt::format(" {}={}", name, shortest(value));
   }
   if (entry.is_base) engine += " (base)";
-  std::vector<TableCell> cells = {{engine},
-                                  {shortest(entry.cell.step_s)},
-                                  {spread_text(entry.step_cpu_s, 1e3)},
-                                  {spread_text(entry.cost, 1e3)},
-                                  {spread_text(entry.ratio, 1.0)}};
+  std::vector<TableCell> cells = {
+      {engine},
+      {shortest(entry.cell.step_s)},
+      {spread_text(entry.step_cpu_s, 1e3)},
+      {spread_text(entry.cost, 1e3)},
+      {entry.validity.empty() ? spread_text(entry.ratio, 1.0) : std::string("not comparable")}};
   for (const char* metric : k_accuracy) {
     const Row* row = find_row(entry, metric);
     cells.push_back({row == nullptr || !row->value ? "-" : short_number(*row->value)});
   }
-  cells.push_back(
-      {entry.outcome == "ok" && !entry.repeatable ? "ok, not repeatable" : entry.outcome});
+  std::string outcome = entry.outcome;
+  if (outcome == "ok" && !entry.repeatable) outcome += ", not repeatable";
+  if (!entry.validity.empty()) outcome += "; " + entry.validity;
+  cells.push_back({outcome, entry.validity.empty() ? Mark::plain : Mark::flagged});
   return cells;
 }
 

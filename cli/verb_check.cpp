@@ -53,6 +53,7 @@ Json comparison_json(const std::string& suite, const gate::Comparison& c) {
           {"bound", json_number(c.bound)},
           {"factor_over", json_number(c.factor)},
           {"p_value", json_number(c.p_value)},
+          {"validity", c.obtained.validity.value_or("")},
           {"starts", c.obtained.seeds.size()},
           {"message", c.message},
           {"reproduce", gate::reproduce(suite, c)}};
@@ -81,12 +82,14 @@ void print_text(const std::string& suite, const gate::CheckResult& result, std::
                c.message);
   }
   fmt::print(
-      "{} numbers: {} fine, {} open, {} not comparable, {} without reference, {} missing, "
-      "{} deviate. {} cells run, {} spared.\nObtained: {}\n",
-      result.comparisons.size(), count(result, Finding::fine), count(result, Finding::open),
+      "{} numbers, {} compared: {} fine, {} open, {} deviate. Not compared: {} flagged, {} without "
+      "a number on either side, {} hashes of another platform, {} without reference, {} missing. "
+      "{} cells run, {} spared.\nObtained: {}\n",
+      result.comparisons.size(), std::ranges::count_if(result.comparisons, gate::is_compared),
+      count(result, Finding::fine), count(result, Finding::open), count(result, Finding::deviation),
+      count(result, Finding::flagged), count(result, Finding::no_number),
       count(result, Finding::not_comparable), count(result, Finding::fresh),
-      count(result, Finding::missing), count(result, Finding::deviation), result.cells.size(),
-      result.cells_spared, folder);
+      count(result, Finding::missing), result.cells.size(), result.cells_spared, folder);
 }
 
 gate::CheckResult check_with_progress(const Plan& plan, const std::vector<Cell>& cells,
@@ -141,13 +144,15 @@ int check(CheckOptions options) {
   if (options.json) {
     auto records = Json::array();
     for (const auto& c : result.comparisons) records.push_back(comparison_json(suite, c));
-    fmt::print("{}\n", Json({{"suite", suite},
-                             {"exit_code", code},
-                             {"obtained", folder.string()},
-                             {"cells_run", result.cells.size()},
-                             {"cells_spared", result.cells_spared},
-                             {"records", records}})
-                           .dump(2));
+    fmt::print("{}\n",
+               Json({{"suite", suite},
+                     {"exit_code", code},
+                     {"obtained", folder.string()},
+                     {"cells_run", result.cells.size()},
+                     {"cells_spared", result.cells_spared},
+                     {"compared", std::ranges::count_if(result.comparisons, gate::is_compared)},
+                     {"records", records}})
+                   .dump(2));
   } else {
     print_text(suite, result, options.worst, folder.string());
   }

@@ -45,12 +45,18 @@ nlohmann::ordered_json change_json(const Change& change) {
 }
 
 void print_json(const FolderComparison& comparison) {
-  nlohmann::ordered_json json = {
-      {"headline", headline(comparison)},          {"facts", comparison.facts},
-      {"compared", comparison.compared},           {"same", comparison.same},
-      {"beyond_noise", comparison.beyond_noise},   {"only_in_a", comparison.only_in_a},
-      {"only_in_b", comparison.only_in_b},         {"changes", nlohmann::ordered_json::array()},
-      {"timings", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json = {{"headline", headline(comparison)},
+                                 {"facts", comparison.facts},
+                                 {"compared", comparison.compared},
+                                 {"same", comparison.same},
+                                 {"flagged", comparison.flagged},
+                                 {"without_number", comparison.without_number},
+                                 {"untimed", comparison.untimed},
+                                 {"beyond_noise", comparison.beyond_noise},
+                                 {"only_in_a", comparison.only_in_a},
+                                 {"only_in_b", comparison.only_in_b},
+                                 {"changes", nlohmann::ordered_json::array()},
+                                 {"timings", nlohmann::ordered_json::array()}};
   for (const Change& change : comparison.changes) json["changes"].push_back(change_json(change));
   for (const Change& change : comparison.timings) json["timings"].push_back(change_json(change));
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
@@ -78,6 +84,7 @@ void print_tables(const FolderComparison& comparison, const Ensembles& ensembles
     spread.title = ensemble_headline(ensembles).front();
     fmt::print("\n{}", to_terminal(spread, style));
   }
+  for (const std::string& line : comparison.untimed) fmt::print("time of {}\n", line);
   for (const std::string& cell : comparison.only_in_a) fmt::print("only in the first: {}\n", cell);
   for (const std::string& cell : comparison.only_in_b) fmt::print("only in the second: {}\n", cell);
 }
@@ -122,19 +129,23 @@ int compare_folders(const CompareOptions& options) {
     fmt::print("{}", markdown);
   else
     print_tables(comparison, ensembles, options.rows);
-  const bool differs = comparison.beyond_noise > 0 || !comparison.only_in_a.empty() ||
-                       !comparison.only_in_b.empty() || comparison.compared == 0 ||
+  const bool differs = comparison.beyond_noise > 0 ||
                        std::ranges::any_of(ensembles.pairs, [](const EnsemblePair& pair) {
                          return pair.verdict.word == EnsembleWord::different;
                        });
-  return differs ? k_exit_failed_case : k_exit_fine;
+  if (differs) return k_exit_failed_case;
+  if (comparison.compared == 0) return k_exit_incomplete;
+  const bool other_cells = !comparison.only_in_a.empty() || !comparison.only_in_b.empty();
+  return other_cells ? k_exit_failed_case : k_exit_fine;
 }
 
 }  // namespace
 
 void add_compare_verb(CLI::App& app, Invocation& invocation) {
   CLI::App* verb = app.add_subcommand(
-      "compare", "Say what changed between two results folders; exit code 1 if anything did");
+      "compare",
+      "Say what changed between two results folders; exit code 1 if anything did, 3 if nothing "
+      "could be compared");
   auto options = std::make_shared<CompareOptions>();
   verb->add_option("before", options->a, "Results folder")->required();
   verb->add_option("after", options->b, "Results folder")->required();

@@ -12,6 +12,7 @@ enum class Fault {
   unsupported,  // the engine cannot express this world or setting; it said so before the first step
   invalid,      // the world or the settings contradict themselves
   diverged,     // a state is not finite
+  blown_up,     // more energy than gravity and outer work could have given
   crashed,      // the engine threw, aborted or reported an internal error
   timed_out,
   out_of_memory,
@@ -38,6 +39,8 @@ constexpr std::string_view to_outcome(Fault fault) {
       return "invalid";
     case Fault::diverged:
       return "diverged";
+    case Fault::blown_up:
+      return "blown_up";
     case Fault::crashed:
       return "crashed";
     case Fault::timed_out:

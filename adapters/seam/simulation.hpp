@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapters/seam/failure.hpp"
+#include "adapters/seam/flag.hpp"
 #include "adapters/seam/world.hpp"
 
 namespace brickbench {
@@ -81,11 +82,15 @@ class AuditView {
   virtual ContactLaw pair_law(std::size_t a, std::size_t b) const = 0;
 };
 
-// Optional view: numbers about the last step.
+// Optional view: what the engine says about its last step.
 class DiagnosticView {
  public:
   virtual ~DiagnosticView() = default;
   virtual std::span<const Diagnostic> diagnostics() const = 0;
+  // The flags that the engine's own words raise for its last step.
+  virtual Flags flags() const { return {}; }
+  // The flags that it could raise: that it does not raise another means nothing.
+  virtual Flags tellable() const { return {}; }
 };
 
 class Simulation {

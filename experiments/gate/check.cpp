@@ -105,7 +105,7 @@ CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalo
 }
 
 int exit_code(const CheckResult& result) {
-  int code = 0;
+  int code = std::ranges::any_of(result.comparisons, is_compared) ? 0 : 3;
   for (const Comparison& c : result.comparisons) {
     if (c.finding == Finding::deviation) return 1;
     if (c.finding == Finding::missing || c.finding == Finding::fresh) code = 3;
@@ -128,7 +128,7 @@ std::string junit(const std::string& suite, const CheckResult& result) {
       ++failures;
       cases += fmt::format("<failure type=\"{}\" message=\"{}\">{}</failure>", to_word(c.finding),
                            escape_markup(c.message), escape_markup(reproduce(suite, c)));
-    } else if (c.finding == Finding::not_comparable || c.finding == Finding::fresh) {
+    } else if (!is_compared(c)) {
       cases += fmt::format("<skipped message=\"{}\"/>", escape_markup(c.message));
     }
     cases += "</testcase>\n";
@@ -170,7 +170,12 @@ BlessResult bless(const Suite& reference, const Suite& obtained, const Blessing&
                   const ComparePlan& plan) {
   BlessResult result{reference, {}};
   for (const Comparison& c : compare(reference, obtained, plan, false)) {
-    if (!is_red(c) && c.finding != Finding::fresh && c.finding != Finding::not_comparable) continue;
+    const bool reflagged =
+        c.finding == Finding::flagged && c.reference.validity != c.obtained.validity;
+    if (!is_red(c) && !reflagged && c.finding != Finding::fresh &&
+        c.finding != Finding::not_comparable) {
+      continue;
+    }
     auto experiment =
         std::ranges::find(result.suite.experiments, c.experiment, &Suite::Experiment::name);
     if (experiment == result.suite.experiments.end()) {

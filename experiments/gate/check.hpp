@@ -33,7 +33,7 @@ CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalo
                   const RunCallbacks& callbacks = {});
 
 // 0: nothing red; 1: a deviation, or a cell failed that had not; 3: a reference that was not run,
-// or numbers without reference.
+// numbers without reference, or nothing at all that could be compared.
 int exit_code(const CheckResult& result);
 
 // The command that runs the one experiment behind a comparison again.

@@ -128,6 +128,28 @@ ComparePlan for_family(const std::vector<Comparison>& all, const ComparePlan& pl
   return fitted;
 }
 
+std::string validity_text(const std::optional<std::string>& validity) {
+  if (!validity) return "unknown: the reference does not say";
+  return validity->empty() ? "valid" : *validity;
+}
+
+// Whether flags decide: numbers that are not to be trusted are not compared, and a run that came to
+// be so is a deviation.
+bool judge_validity(Comparison& c) {
+  const auto& before = c.reference.validity;
+  const bool flagged = !c.obtained.validity.value_or("").empty();
+  const bool was_flagged = before && !before->empty();
+  if (!flagged && !was_flagged) return false;
+  c.finding = before && !was_flagged ? Finding::deviation : Finding::flagged;
+  if (c.finding == Finding::deviation) c.factor = HUGE_VAL;
+  const bool same =
+      c.reference.values == c.obtained.values && c.reference.hashes == c.obtained.hashes;
+  c.message = fmt::format("not to be trusted: {} (reference: {}); bit for bit {}",
+                          validity_text(c.obtained.validity), validity_text(before),
+                          same ? "the same" : "not the same");
+  return true;
+}
+
 void judge(Comparison& c, const ComparePlan& plan) {
   if (c.reference.outcome != c.obtained.outcome || c.reference.kind != c.obtained.kind) {
     c.finding = Finding::deviation;
@@ -137,7 +159,12 @@ void judge(Comparison& c, const ComparePlan& plan) {
                     c.reference.outcome, to_word(c.reference.kind));
     return;
   }
-  if (c.reference.outcome != "ok") return;
+  if (c.reference.outcome != "ok") {
+    c.finding = Finding::no_number;
+    c.message = fmt::format("neither side has a number: {}", c.reference.outcome);
+    return;
+  }
+  if (judge_validity(c)) return;
   if (c.reference.kind == Kind::hash) judge_hash(c);
   if (c.reference.kind == Kind::bound) judge_bound(c);
   if (c.reference.kind == Kind::distribution) judge_sample(c, plan);
@@ -213,6 +240,11 @@ std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
   return all;
 }
 
+bool is_compared(const Comparison& comparison) {
+  return comparison.finding == Finding::fine || comparison.finding == Finding::open ||
+         comparison.finding == Finding::deviation;
+}
+
 bool is_red(const Comparison& comparison) {
   return comparison.finding == Finding::deviation || comparison.finding == Finding::missing;
 }
@@ -225,6 +257,10 @@ std::string_view to_word(Finding finding) {
       return "open";
     case Finding::not_comparable:
       return "not_comparable";
+    case Finding::flagged:
+      return "flagged";
+    case Finding::no_number:
+      return "no_number";
     case Finding::deviation:
       return "deviation";
     case Finding::missing:

@@ -10,6 +10,8 @@ enum class Finding {
   fine,            // within the bound, equal, identical or equivalent
   open,            // no difference found, equivalence not shown: more runs would tell
   not_comparable,  // a hash of another engine version, precision or platform
+  flagged,         // the run, its reference or both are not to be trusted
+  no_number,       // neither side has one: the outcome is the same
   deviation,
   missing,  // a reference that nothing was obtained for
   fresh,    // obtained, but no reference yet
@@ -44,6 +46,9 @@ struct ComparePlan {
 // everything that the references hold was to be obtained, so that what is missing is a failure.
 std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
                                 const ComparePlan& plan, bool complete);
+
+// Whether two numbers were compared: not of findings that say why there was nothing to compare.
+bool is_compared(const Comparison& comparison);
 
 // Whether the gate is red: a deviation, or something missing.
 bool is_red(const Comparison& comparison);

@@ -14,6 +14,9 @@ std::string axes_of(const Row& row) {
   return "step_s=" + shortest(row.step_s) + (row.axes.empty() ? "" : ';' + row.axes);
 }
 
+// What an engine counts within itself is no behaviour, and the flags stand with every record.
+bool is_talk(const Row& row) { return row.metric.starts_with("diag_") || row.group == "validity"; }
+
 Record record_of(const Row& row, Kind kind, const Machine& machine) {
   Record record;
   record.engine = row.engine + '/' + row.variant;
@@ -41,6 +44,7 @@ void add(Record& record, const Row& row) {
     record.values.clear();
     record.hashes.clear();
   }
+  if (record.validity->empty()) record.validity = row.validity;
   record.seeds.push_back(row.seed);
   if (record.outcome != "ok") return;
   if (record.kind == Kind::hash) {
@@ -87,7 +91,7 @@ Suite observe(const std::vector<Row>& rows,
     const Kind kind = kind_for(seeds);
     std::map<std::string, Record> records;
     for (const Row& row : rows) {
-      if (row.experiment != name || row.outcome == "excluded") continue;
+      if (row.experiment != name || row.outcome == "excluded" || is_talk(row)) continue;
       const Record fresh = record_of(row, kind, machine);
       add(records.try_emplace(fresh.key(), fresh).first->second, row);
     }

@@ -26,7 +26,8 @@ inline constexpr double k_margin_share = 0.05;
 Kind kind_for(std::size_t seeds);
 
 // Groups the rows by experiment, engine, step, axes and metric. `seed_counts` maps an experiment to
-// the number of seeds that its plan has, whatever was run of them.
+// the number of seeds that its plan has, whatever was run of them. Diagnostics of engines are left
+// out.
 Suite observe(const std::vector<Row>& rows,
               const std::vector<std::pair<std::string, std::size_t>>& seed_counts,
               const Machine& machine);

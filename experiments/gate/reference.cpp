@@ -24,6 +24,7 @@ Json json_of(const Record& record) {
   Json json = {{"engine", record.engine},      {"axes", record.axes},  {"metric", record.metric},
                {"kind", to_word(record.kind)}, {"unit", record.unit},  {"better", record.better},
                {"outcome", record.outcome},    {"seeds", record.seeds}};
+  if (record.validity) json["validity"] = *record.validity;
   if (!record.values.empty()) json["values"] = record.values;
   if (!record.hashes.empty()) json["hashes"] = record.hashes;
   if (record.kind == Kind::bound) {
@@ -52,6 +53,8 @@ Record record_of(const Json& json) {
   record.unit = json.at("unit").get<std::string>();
   record.better = json.at("better").get<std::string>();
   record.outcome = json.at("outcome").get<std::string>();
+  record.validity.reset();
+  if (json.contains("validity")) record.validity = json.at("validity").get<std::string>();
   record.seeds = json.at("seeds").get<std::vector<std::uint64_t>>();
   if (json.contains("values")) record.values = json.at("values").get<std::vector<double>>();
   if (json.contains("hashes")) record.hashes = json.at("hashes").get<std::vector<std::string>>();

@@ -43,6 +43,9 @@ struct Record {
   std::string unit;
   std::string better;  // lower, higher or neither
   std::string outcome = "ok";
+  // Of the first flagged start, as in Row; empty: valid; none: a reference of earlier times, which
+  // does not say.
+  std::optional<std::string> validity = "";
   std::vector<std::uint64_t> seeds;
   std::vector<double> values;       // (seeds); empty for hashes and outcomes without numbers
   std::vector<std::string> hashes;  // (seeds)

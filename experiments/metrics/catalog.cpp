@@ -11,6 +11,7 @@ std::vector<MetricInfo> metrics() {
       outcomes_metric(),     //
       projectile_metric(),   //
       contacts_metric(),     //
+      validity_metric(),     //
   };
 }
 

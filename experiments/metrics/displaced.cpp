@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "experiments/metrics/entries.hpp"
+#include "experiments/metrics/moved.hpp"
 #include "experiments/metrics/outputs.hpp"
 
 namespace brickbench {
@@ -11,13 +12,13 @@ namespace {
 const std::vector<OutputInfo>& outputs() {
   static const std::vector<OutputInfo> list = {
       {"bricks_displaced", "1", Better::neither,
-       "bricks further from their start than half the smallest edge, at the end",
+       "bricks with a point further from its start than half the smallest edge, at the end",
        "0 for a standing wall; after a hit, what converged engines agree on (within a few bricks)"},
       {"brick_displacement_max_m", "m", Better::neither,
-       "largest distance of a brick from its start",
+       "largest distance of a brick's centre from its start",
        "below 1 mm for a standing wall: more is creep or collapse"},
       {"brick_displacement_mean_m", "m", Better::neither,
-       "mean distance of the bricks from their start",
+       "mean distance of the bricks' centres from their start",
        "below the largest; near it the whole wall drifts or sinks"},
       {"brick_speed_rms_mps", "m/s", Better::neither,
        "root mean square speed of the bricks at the end",
@@ -39,22 +40,24 @@ const std::vector<OutputInfo>& curves() {
 class Displaced : public Metric {
  public:
   explicit Displaced(const Scene& scene)
-      : bricks_(scene.bricks), threshold_m_(0.5 * scene.length_scale_m), guard_(scene.world) {}
+      : bricks_(scene.bricks), threshold_m_(0.5 * scene.length_scale_m), guard_(scene.world) {
+    for (const std::size_t i : bricks_) shapes_.push_back(scene.world.bodies[i].shape);
+  }
 
   void observe(const Sample& sample) override {
     if (!guard_.admits(sample)) return;
-    if (start_m_.empty()) {
-      for (const std::size_t i : bricks_) start_m_.push_back(sample.states[i].position_m);
+    if (start_.empty()) {
+      for (const std::size_t i : bricks_) start_.push_back(sample.states[i]);
     }
     now_ = {};
     double sum_m = 0.0;
     double sum_m2ps2 = 0.0;
     for (std::size_t n = 0; n < bricks_.size(); ++n) {
       const State& state = sample.states[bricks_[n]];
-      const double moved_m = (state.position_m - start_m_[n]).norm();
-      if (moved_m > threshold_m_) now_.count += 1.0;
-      now_.largest_m = std::max(now_.largest_m, moved_m);
-      sum_m += moved_m;
+      const double center_m = (state.position_m - start_[n].position_m).norm();
+      if (moved_m(shapes_[n], start_[n], state) > threshold_m_) now_.count += 1.0;
+      now_.largest_m = std::max(now_.largest_m, center_m);
+      sum_m += center_m;
       sum_m2ps2 += state.velocity_mps.squaredNorm();
     }
     const double bricks = static_cast<double>(bricks_.size());
@@ -83,7 +86,8 @@ class Displaced : public Metric {
   std::vector<std::size_t> bricks_;
   double threshold_m_;
   StateGuard guard_;
-  std::vector<Eigen::Vector3d> start_m_;
+  std::vector<Shape> shapes_;  // (bricks)
+  std::vector<State> start_;   // (bricks)
   Now now_;
 };
 

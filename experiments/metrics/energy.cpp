@@ -29,6 +29,11 @@ const std::vector<OutputInfo>& outputs() {
        "0; a single large one is a bad impact or a deep overlap thrown apart"},
       {"energy_max_excess_j", "J", Better::lower, "largest excess over initial energy + outer work",
        "0: at no time may there be more energy than was put in"},
+      {"energy_error_max_j", "J", Better::neither,
+       "largest distance of the energy from initial energy + outer work, on either side",
+       "0 where nothing takes energy; with friction or impacts at least what these took"},
+      {"energy_error_max_relative", "1", Better::neither, "energy_error_max_j over the scale",
+       "as energy_net_drift_relative, at the worst moment instead of the last"},
       {"energy_dissipated_j", "J", Better::neither, "sum of all falls of the energy",
        "0 without contact; with it, what friction and impacts took (and the scheme's loss)"},
   };
@@ -83,6 +88,8 @@ class Energy : public Metric {
           relative(created_j_.value()),
           {max_rise_j_, max_rise_j_ > 0.0 ? at_time(max_rise_s_) : ""},
           {max_excess_j_, max_excess_j_ > 0.0 ? at_time(max_excess_s_) : ""},
+          {max_error_j_, max_error_j_ > 0.0 ? at_time(max_error_s_) : ""},
+          relative(max_error_j_),
           {dissipated_j_.value()}});
   }
 
@@ -100,25 +107,19 @@ class Energy : public Metric {
       const Body& body = world_.bodies[i];
       if (body.fixed) continue;
       kinetic_j += kinetic_energy_j(body, states[i]);
-      potential_j += -body.mass_kg * world_.gravity_mps2.dot(states[i].position_m);
+      potential_j += potential_energy_j(body, states[i], world_.gravity_mps2);
     }
     kinetic_j_ = kinetic_j.value();
     potential_j_ = potential_j.value();
   }
 
-  // The work of an impulse is the impulse times the mean of the velocities before and after
-  // (Thomson and Tait, Treatise on Natural Philosophy, section 308): exact for every scheme that
-  // adds force times step over mass to the velocity, and for a constant force in continuous time.
   double work_of_step_j(const Sample& sample) {
     double work_j = 0.0;
     for (std::size_t i = 0; i < sample.wrenches.size(); ++i) {
       const Wrench& wrench = sample.wrenches[i];
       if (is_zero(wrench) || world_.bodies[i].fixed) continue;
-      const State& after = sample.states[i];
       const double of_body_j =
-          0.5 * step_s_ *
-          (wrench.force_n.dot(before_[i].velocity_mps + after.velocity_mps) +
-           wrench.torque_nm.dot(before_[i].angular_velocity_radps + after.angular_velocity_radps));
+          brickbench::work_of_step_j(wrench, before_[i], sample.states[i], step_s_);
       work_j += of_body_j;
       absolute_work_j_ += std::abs(of_body_j);
     }
@@ -137,6 +138,10 @@ class Energy : public Metric {
       max_rise_s_ = time_s;
     }
     const double excess_j = kinetic_j_ + potential_j_ - initial_j_ - work_j_.value();
+    if (std::abs(excess_j) > max_error_j_) {
+      max_error_j_ = std::abs(excess_j);
+      max_error_s_ = time_s;
+    }
     if (excess_j > max_excess_j_) {
       max_excess_j_ = excess_j;
       max_excess_s_ = time_s;
@@ -171,6 +176,8 @@ class Energy : public Metric {
   double max_rise_s_ = 0.0;
   double max_excess_j_ = 0.0;
   double max_excess_s_ = 0.0;
+  double max_error_j_ = 0.0;
+  double max_error_s_ = 0.0;
 };
 
 }  // namespace

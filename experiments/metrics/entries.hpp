@@ -12,5 +12,6 @@ MetricInfo displaced_metric();
 MetricInfo outcomes_metric();
 MetricInfo projectile_metric();
 MetricInfo contacts_metric();
+MetricInfo validity_metric();
 
 }  // namespace brickbench

@@ -20,7 +20,11 @@ struct Sample {
   std::span<const State> states;                   // (bodies), order of World::bodies
   std::span<const Wrench> wrenches;                // (bodies), held during the step that ended here
   const std::vector<Contact>* contacts = nullptr;  // nullptr: the engine does not tell
-  std::span<const Diagnostic> diagnostics;         // empty: the engine does not tell
+  std::span<const Diagnostic> diagnostics = {};    // empty: the engine does not tell
+  Flags flags = {};     // of the step that ended here: the engine's own, and what was seen of it
+  Flags tellable = {};  // that could have been raised
+  std::string_view passage =
+      {};  // of the first body that passed another: "'a' through 'b'"; or empty
 };
 
 enum class Better { lower, higher, neither };

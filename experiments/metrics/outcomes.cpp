@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "experiments/metrics/entries.hpp"
+#include "experiments/metrics/moved.hpp"
 #include "experiments/metrics/outputs.hpp"
 #include "experiments/metrics/placed.hpp"
 
@@ -23,7 +24,7 @@ const std::vector<OutputInfo>& outputs() {
        "last moment at which the bricks were not still; the end of the run if they never were",
        "0 for a structure that stands; the same in converged engines, and not the end of the run"},
       {"collapse_time_s", "s", Better::neither,
-       "first moment at which a tenth of the bricks were displaced; the end of the run if never",
+       "moment from which on a tenth of the bricks stayed displaced; the end of the run if never",
        "the end of the run for a structure that stands; else what converged engines agree on"},
   };
   return list;
@@ -48,7 +49,7 @@ class Outcomes : public Metric {
 
   void observe(const Sample& sample) override {
     if (bricks_.empty() || !guard_.admits(sample)) return;
-    if (start_m_.empty()) begin(sample);
+    if (start_.empty()) begin(sample);
     now_s_ = sample.time_s;
     watch_bricks(sample);
   }
@@ -67,11 +68,11 @@ class Outcomes : public Metric {
 
  private:
   void begin(const Sample& sample) {
-    for (const std::size_t i : bricks_) start_m_.push_back(sample.states[i].position_m);
-    low_m_ = high_m_ = start_m_.front().head<2>();
-    for (const Eigen::Vector3d& at_m : start_m_) {
-      low_m_ = low_m_.cwiseMin(at_m.head<2>());
-      high_m_ = high_m_.cwiseMax(at_m.head<2>());
+    for (const std::size_t i : bricks_) start_.push_back(sample.states[i]);
+    low_m_ = high_m_ = start_.front().position_m.head<2>();
+    for (const State& start : start_) {
+      low_m_ = low_m_.cwiseMin(start.position_m.head<2>());
+      high_m_ = high_m_.cwiseMax(start.position_m.head<2>());
     }
   }
 
@@ -87,15 +88,14 @@ class Outcomes : public Metric {
       const Eigen::Vector2d at_m = state.position_m.head<2>();
       run_out_m_ = std::max(run_out_m_, (at_m - at_m.cwiseMax(low_m_).cwiseMin(high_m_)).norm());
       sum_m2ps2 += state.velocity_mps.squaredNorm();
-      displaced += (state.position_m - start_m_[n]).norm() > displaced_m_;
+      displaced += moved_m(world_.bodies[bricks_[n]].shape, start_[n], state) > displaced_m_;
     }
     const double bricks = static_cast<double>(bricks_.size());
     moves_ = std::sqrt(sum_m2ps2 / bricks) > still_mps_;
     if (moves_) settling_s_ = sample.time_s;
-    if (!collapsed_ && static_cast<double>(displaced) >= k_collapse_share * bricks) {
-      collapsed_ = true;
-      collapse_s_ = sample.time_s;
-    }
+    const bool down = static_cast<double>(displaced) >= k_collapse_share * bricks;
+    if (down && !collapsed_) collapse_s_ = sample.time_s;
+    collapsed_ = down;
   }
 
   World world_;
@@ -103,7 +103,7 @@ class Outcomes : public Metric {
   double displaced_m_;
   double still_mps_;
   StateGuard guard_;
-  std::vector<Eigen::Vector3d> start_m_;
+  std::vector<State> start_;                         // (bricks)
   Eigen::Vector2d low_m_ = Eigen::Vector2d::Zero();  // of the centres at the start
   Eigen::Vector2d high_m_ = Eigen::Vector2d::Zero();
   double now_s_ = 0.0;

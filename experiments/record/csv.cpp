@@ -133,7 +133,13 @@ Expected<std::vector<Record>> read_all(const std::string& name, const Source&...
     const std::string at = place != nullptr && place->file_line > 0
                                ? fmt::format("{}:{}", name, place->file_line)
                                : name;
-    return fail(Fault::invalid, fmt::format("{}: {}", at, error.what()));
+    const bool other = dynamic_cast<const io::error::missing_column_in_header*>(&error) != nullptr;
+    return fail(Fault::invalid,
+                fmt::format("{}: {}{}", at, error.what(),
+                            other ? fmt::format("; this program reads schema version {}: files of "
+                                                "an earlier one are to be made anew",
+                                                Schema<Record>::version)
+                                  : ""));
   }
 }
 

@@ -79,7 +79,16 @@ nlohmann::ordered_json to_json(const Provenance& provenance) {
                        {"meaning", metric.meaning},
                        {"good", metric.good}});
   }
-  return {{"schema", 1},
+  auto methods = nlohmann::ordered_json::array();
+  for (const MethodRecord& method : provenance.methods) {
+    auto facts = nlohmann::ordered_json::array();
+    for (const MethodFact& fact : method.facts) {
+      facts.push_back(
+          {{"name", fact.name}, {"unit", fact.unit}, {"asked", fact.asked}, {"used", fact.used}});
+    }
+    methods.push_back({{"engine", method.engine}, {"facts", facts}});
+  }
+  return {{"schema", 2},
           {"command", provenance.command},
           {"date_utc", provenance.date_utc},
           {"plan", provenance.plan},
@@ -87,7 +96,8 @@ nlohmann::ordered_json to_json(const Provenance& provenance) {
           {"analysis", provenance.analysis},
           {"machine", to_json(provenance.machine)},
           {"engines", engines},
-          {"metrics", metrics}};
+          {"metrics", metrics},
+          {"methods", methods}};
 }
 
 Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json) {
@@ -114,6 +124,14 @@ Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json) {
     for (const auto& metric : json.at("metrics")) {
       result.metrics.push_back({metric.at("id"), metric.at("unit"), metric.at("group"),
                                 metric.at("better"), metric.at("meaning"), metric.at("good")});
+    }
+    for (const auto& method : json.value("methods", nlohmann::ordered_json::array())) {
+      MethodRecord record{method.at("engine"), {}};
+      for (const auto& fact : method.at("facts")) {
+        record.facts.push_back(
+            {fact.at("name"), fact.at("unit"), fact.at("asked"), fact.at("used")});
+      }
+      result.methods.push_back(std::move(record));
     }
     return result;
   } catch (const nlohmann::json::exception& error) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "adapters/seam/failure.hpp"
@@ -44,6 +45,25 @@ struct MetricRecord {
   std::string good;
 };
 
+// One setting of an engine: what the plan and the adapter asked for, and what the live engine has.
+struct MethodFact {
+  std::string name;
+  std::string unit;
+  std::string asked;  // "not stated" where the adapter says nothing
+  std::string used;   // "unsupported" where the engine cannot be read back
+  bool operator==(const MethodFact&) const = default;
+};
+
+// The method of an engine in one or more cells.
+struct MethodRecord {
+  std::string engine;  // engine/variant
+  std::vector<MethodFact> facts;
+  bool operator==(const MethodRecord&) const = default;
+};
+
+inline constexpr std::string_view k_not_stated = "not stated";
+inline constexpr std::string_view k_unsupported = "unsupported";
+
 struct Provenance {
   std::string command;   // as typed, quoted for a shell
   std::string date_utc;  // ISO 8601
@@ -53,6 +73,7 @@ struct Provenance {
   Machine machine;
   std::vector<EngineRecord> engines;
   std::vector<MetricRecord> metrics;
+  std::vector<MethodRecord> methods = {};  // of the cells that were run, each once
 };
 
 nlohmann::ordered_json to_json(const Machine& machine);

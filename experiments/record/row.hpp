@@ -33,6 +33,7 @@ struct Row {
   std::string note;
   std::string outcome;
   std::string reason;
+  std::string validity;  // empty, or the flags that the run raised
   std::string state_hash;
 
   bool operator==(const Row&) const = default;
@@ -40,8 +41,8 @@ struct Row {
 
 template <>
 struct Schema<Row> {
-  static constexpr int version = 1;
-  static constexpr std::size_t size = 22;
+  static constexpr int version = 2;
+  static constexpr std::size_t size = 23;
   static std::array<Column<Row>, size> columns() {
     return {
         text_column<&Row::experiment, Row>("experiment", "name of the experiment in its plan"),
@@ -77,6 +78,8 @@ struct Schema<Row> {
         text_column<&Row::note, Row>("note", "where and when the number arose; may be empty"),
         text_column<&Row::outcome, Row>("outcome", "ok, or why there is no number"),
         text_column<&Row::reason, Row>("reason", "one sentence; empty if the outcome is ok"),
+        text_column<&Row::validity, Row>(
+            "validity", "empty, or why the number is not to be trusted: flags, steps, first step"),
         text_column<&Row::state_hash, Row>(
             "state_hash", "hash of all states of the run; empty if the run did not finish"),
     };

@@ -25,12 +25,13 @@ struct Timing {
   double steps_total_cpu_s = 0.0;
   double cell_wall_s = 0.0;
   std::string outcome;
+  std::string validity;
 };
 
 template <>
 struct Schema<Timing> {
-  static constexpr int version = 1;
-  static constexpr std::size_t size = 15;
+  static constexpr int version = 2;
+  static constexpr std::size_t size = 16;
   static std::array<Column<Timing>, size> columns() {
     return {
         text_column<&Timing::experiment, Timing>("experiment", "name of the experiment"),
@@ -53,6 +54,7 @@ struct Schema<Timing> {
         number_column<&Timing::cell_wall_s, Timing>(
             "cell_wall_s", "wall time of the whole cell, measuring included, s"),
         text_column<&Timing::outcome, Timing>("outcome", "as in the rows"),
+        text_column<&Timing::validity, Timing>("validity", "as in the rows"),
     };
   }
 };

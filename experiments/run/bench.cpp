@@ -43,7 +43,9 @@ std::vector<BenchEntry> entries_of(const std::vector<Cell>& cells, const Selecto
 }
 
 CellOutcome outcome_of(const Cell& cell, const CellResult& done) {
-  return {cell, done.timing.cell, done.outcome, done.reason, done.timing.cell_wall_s};
+  return {cell,         done.timing.cell,        done.outcome,
+          done.reason,  done.timing.cell_wall_s, done.unrecorded,
+          done.validity};
 }
 
 std::string hash_of(const std::vector<Row>& rows) {
@@ -52,6 +54,7 @@ std::string hash_of(const std::vector<Row>& rows) {
 
 void note_round(BenchEntry& entry, Costs& costs, const CellResult& done, bool first) {
   entry.id = done.timing.cell;
+  if (entry.validity.empty()) entry.validity = done.validity;
   if (done.outcome != "ok") {
     if (entry.outcome == "ok") {
       entry.outcome = done.outcome;
@@ -94,7 +97,11 @@ void summarize_costs(std::vector<BenchEntry>& entries, const std::vector<Costs>&
     entries[i].cost = spread_of(std::move(ran));
     entries[i].step_cpu_s = spread_of(costs[i].step_cpu_s);
     const auto base = base_of.find(entries[i].group);
-    if (base != base_of.end()) entries[i].ratio = ratio_of(costs[i], costs[base->second]);
+    if (base == base_of.end() || !entries[i].validity.empty() ||
+        !entries[base->second].validity.empty()) {
+      continue;
+    }
+    entries[i].ratio = ratio_of(costs[i], costs[base->second]);
   }
 }
 
@@ -127,6 +134,7 @@ BenchResult bench_cells(const std::vector<Cell>& cells, const Selector& base, st
         note_round(entry, costs[i], done, round == 0);
         result.runs.cells.push_back(outcome_of(entry.cell, done));
         result.runs.timings.push_back(done.timing);
+        note_method(result.runs, std::move(done.method));
         if (callbacks.cell_ends) callbacks.cell_ends(result.runs.cells.back(), runs);
         if (round != 0) continue;
         std::ranges::move(done.rows, std::back_inserter(result.runs.rows));

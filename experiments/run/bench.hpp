@@ -33,10 +33,11 @@ struct BenchEntry {
   bool is_base = false;
   std::string outcome;  // the first that is not ok, over the rounds
   std::string reason;
-  std::size_t rounds = 0;            // that ran to their end
-  std::optional<Spread> cost;        // CPU s per simulated s
+  std::string validity;        // as in Row, of the first flagged round; such a time is not compared
+  std::size_t rounds = 0;      // that ran to their end
+  std::optional<Spread> cost;  // CPU s per simulated s
   std::optional<Spread> step_cpu_s;  // of the median step of each round
-  std::optional<Spread> ratio;       // to the base; none if the base or the cell did not run
+  std::optional<Spread> ratio;       // to the base; none if either did not run or is flagged
   bool repeatable = true;            // every round gave the same states
   std::vector<Row> rows;             // accuracy, from the first round
 };

@@ -18,7 +18,7 @@ const std::vector<std::string> k_plan_keys = {"title", "analysis", "experiment",
 const std::vector<std::string> k_experiment_keys = {
     "name", "scenario", "engines", "step_s", "duration_s", "time_limit_s", "parameters",
     "zip",  "seeds",    "perturb", "except", "expect",     "metrics"};
-const std::vector<std::string> k_outcomes = {"refused", "invalid",   "diverged",
+const std::vector<std::string> k_outcomes = {"refused", "invalid",   "diverged",     "blown_up",
                                              "crashed", "timed_out", "out_of_memory"};
 // The largest relative distance of duration / step from a whole number: rounding of 2 / (1/240).
 constexpr double k_whole_steps_tolerance = 1e-9;

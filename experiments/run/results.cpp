@@ -19,9 +19,11 @@ fs::path next_results_folder(const std::string& plan_name) {
 
 Expected<void> write_results(const fs::path& folder, const Plan& plan, const RunResult& result,
                              const Provenance& provenance) {
+  Provenance whole = provenance;
+  whole.methods = result.methods;
   const std::vector<std::pair<const char*, std::string>> files = {
       {"plan.toml", plan.text},
-      {"provenance.json", to_json(provenance).dump(2) + '\n'},
+      {"provenance.json", to_json(whole).dump(2) + '\n'},
       {"series.csv", to_csv<SeriesPoint>(result.series)},
       {"timings.csv", to_csv<Timing>(result.timings)},
       {"rows.csv", to_csv<Row>(result.rows)},

@@ -79,19 +79,34 @@ void fill(Row& row, const Measurement* measured) {
   }
 }
 
-void add_rows(CellResult& result, const Cell& cell, const Row& common, const Watch& watch,
-              const Catalogues& catalogues) {
-  const std::vector<Measurement> measured = watch.report();
-  for (const std::string& name : cell.metrics) {
-    const MetricInfo& metric = *find_metric(catalogues, name);
-    for (const OutputInfo& output : metric.outputs) {
-      Row row = common;
-      describe(row, metric, output);
-      const auto found = std::ranges::find(measured, output.name, &Measurement::name);
-      fill(row, found == measured.end() ? nullptr : &*found);
-      row.state_hash = watch.state_hash();
-      result.rows.push_back(std::move(row));
+// The numbers that the metric declares, then those that only the engine could name.
+void add_rows(std::vector<Row>& rows, const Row& common, const MetricInfo& metric,
+              const std::vector<Measurement>& measured) {
+  for (const OutputInfo& output : metric.outputs) {
+    Row row = common;
+    describe(row, metric, output);
+    const auto found = std::ranges::find(measured, output.name, &Measurement::name);
+    fill(row, found == measured.end() ? nullptr : &*found);
+    rows.push_back(std::move(row));
+  }
+  for (const Measurement& told : measured) {
+    if (std::ranges::find(metric.outputs, told.name, &OutputInfo::name) != metric.outputs.end()) {
+      continue;
     }
+    Row row = common;
+    describe(row, metric, {told.name, told.unit, Better::neither, "", ""});
+    fill(row, &told);
+    rows.push_back(std::move(row));
+  }
+}
+
+void add_rows(CellResult& result, const Cell& cell, Row common, const Watch& watch,
+              const Catalogues& catalogues) {
+  common.validity = result.validity;
+  common.state_hash = watch.state_hash();
+  const auto measured = watch.report();
+  for (std::size_t i = 0; i < cell.metrics.size(); ++i) {
+    add_rows(result.rows, common, *find_metric(catalogues, cell.metrics[i]), measured[i]);
   }
 }
 
@@ -135,6 +150,7 @@ CellResult run_checked(const Cell& cell, const Catalogues& catalogues, const Ori
   CellResult result;
   if (watched) {
     result.outcome = "ok";
+    result.validity = watch.validity().text();
     result.timing = timing_of(cell, common);
     add_rows(result, cell, common, watch, catalogues);
     add_series(result, watch);
@@ -143,8 +159,10 @@ CellResult run_checked(const Cell& cell, const Catalogues& catalogues, const Ori
   }
   result.unrecorded = recorder.finish(result.outcome, result.reason);
   watch.fill_timing(result.timing);
+  result.method = watch.method();
   result.timing.cell_wall_s = wall.count();
   result.timing.outcome = result.outcome;
+  result.timing.validity = result.validity;
   return result;
 }
 

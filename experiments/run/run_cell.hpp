@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "experiments/record/provenance.hpp"
 #include "experiments/record/row.hpp"
 #include "experiments/record/series.hpp"
 #include "experiments/record/timing.hpp"
@@ -27,6 +28,8 @@ struct CellResult {
   Timing timing;
   std::string outcome;  // "ok", "excluded" or a word of to_outcome()
   std::string reason;
+  std::string validity = {};    // as in Row
+  MethodRecord method = {};     // empty where nothing was built
   std::string unrecorded = {};  // why the trajectory that was asked for is missing; else empty
 };
 

@@ -15,6 +15,12 @@ void append(std::vector<T>& to, std::vector<T>&& from) {
 
 }  // namespace
 
+void note_method(RunResult& result, MethodRecord method) {
+  if (method.facts.empty()) return;
+  if (std::ranges::find(result.methods, method) != result.methods.end()) return;
+  result.methods.push_back(std::move(method));
+}
+
 RunResult run_cells(const std::vector<Cell>& cells, const Catalogues& catalogues,
                     const Origin& origin, const RunCallbacks& callbacks,
                     const std::filesystem::path& folder) {
@@ -23,7 +29,8 @@ RunResult run_cells(const std::vector<Cell>& cells, const Catalogues& catalogues
     if (callbacks.cell_begins) callbacks.cell_begins(cell, cells.size());
     CellResult done = run_cell(cell, catalogues, origin, callbacks.after_step, folder);
     result.cells.push_back({cell, done.timing.cell, done.outcome, done.reason,
-                            done.timing.cell_wall_s, done.unrecorded});
+                            done.timing.cell_wall_s, done.unrecorded, done.validity});
+    note_method(result, std::move(done.method));
     append(result.rows, std::move(done.rows));
     append(result.series, std::move(done.series));
     result.timings.push_back(std::move(done.timing));

@@ -18,6 +18,7 @@ struct CellOutcome {
   std::string reason;
   double wall_s = 0.0;
   std::string unrecorded = {};  // as in CellResult
+  std::string validity = {};    // as in CellResult
 };
 
 struct RunResult {
@@ -25,7 +26,11 @@ struct RunResult {
   std::vector<Row> rows;
   std::vector<SeriesPoint> series;
   std::vector<Timing> timings;
+  std::vector<MethodRecord> methods;  // each once, in the order of the cells
 };
+
+// Adds the method of a cell unless it is empty or there already.
+void note_method(RunResult& result, MethodRecord method);
 
 // What the watcher of a run is told. Either may be empty.
 struct RunCallbacks {

@@ -36,7 +36,9 @@ Watch::Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues)
       steps_(step_count(cell)),
       stride_(std::max<std::uint64_t>(1, (steps_ + k_series_points - 2) / (k_series_points - 1))),
       states_(scene.world.bodies.size()),
-      wrenches_(scene.world.bodies.size()) {
+      wrenches_(scene.world.bodies.size()),
+      energy_bound_(scene, cell.step_s),
+      passages_(scene.world, cell.step_s) {
   for (const std::string& name : cell.metrics) {
     metrics_.push_back(find_metric(catalogues, name)->make(scene, cell.step_s));
   }
@@ -47,19 +49,16 @@ Expected<void> Watch::run(const Adapter& adapter, const StepCallback& after_step
   recorder_ = recorder;
   StepClock build_clock;
   build_clock.start();
-  auto simulation = build(adapter, scene_.world,
-                          {.step_s = cell_.step_s,
-                           .variant = cell_.engine.variant,
-                           .knobs = cell_.knobs,
-                           .threads = 1});
+  auto simulation = build(adapter, scene_.world, settings());
   build_clock.stop();
   build_cpu_s_ = build_clock.total_s();
   if (!simulation) return tl::unexpected(simulation.error());
+  note_method(adapter, **simulation);
   (*simulation)->read(states_);
-  observe(**simulation, 0);
+  if (auto ok = observe(**simulation, 0); !ok) return ok;
   for (std::size_t step = 1; step <= steps_; ++step) {
     if (auto ok = advance(**simulation, step); !ok) return ok;
-    observe(**simulation, step);
+    if (auto ok = observe(**simulation, step); !ok) return ok;
     if (cell_.time_limit_s > 0.0 && clock_.total_s() > cell_.time_limit_s) {
       return fail(Fault::timed_out, fmt::format("{} of {} steps done within the limit of {} s",
                                                 step, steps_, cell_.time_limit_s));
@@ -70,6 +69,30 @@ Expected<void> Watch::run(const Adapter& adapter, const StepCallback& after_step
     }
   }
   return {};
+}
+
+Settings Watch::settings() const {
+  return {
+      .step_s = cell_.step_s, .variant = cell_.engine.variant, .knobs = cell_.knobs, .threads = 1};
+}
+
+// The step is the cell's and no method.
+void Watch::note_method(const Adapter& adapter, const Simulation& simulation) {
+  const AuditView* view = simulation.audit_view();
+  const auto used = view != nullptr ? view->audit().settings : std::vector<AuditFact>{};
+  const auto asked =
+      adapter.asked != nullptr ? adapter.asked(scene_.world, settings()) : std::vector<AuditFact>{};
+  method_.engine = cell_.engine.label();
+  for (const AuditFact& fact : asked) {
+    const auto found = std::ranges::find(used, fact.name, &AuditFact::name);
+    method_.facts.push_back({fact.name, fact.unit, fact.value,
+                             found == used.end() ? std::string(k_unsupported) : found->value});
+  }
+  for (const AuditFact& fact : used) {
+    if (std::ranges::find(asked, fact.name, &AuditFact::name) != asked.end()) continue;
+    method_.facts.push_back({fact.name, fact.unit, std::string(k_not_stated), fact.value});
+  }
+  std::erase_if(method_.facts, [](const MethodFact& fact) { return fact.name == "step_s"; });
 }
 
 Expected<void> Watch::advance(Simulation& simulation, std::size_t step) {
@@ -113,7 +136,30 @@ void Watch::set_wrenches(std::size_t step) {
   }
 }
 
-void Watch::observe(Simulation& simulation, std::size_t step) {
+Expected<void> Watch::check_energy(const Sample& sample) {
+  const auto excess = energy_bound_.observe(sample);
+  if (!excess) return {};
+  return fail(
+      Fault::blown_up,
+      fmt::format("after step {} ({} s) there are {:.3g} J more kinetic and potential energy than "
+                  "at the start and by outer work, where at most {:.3g} J are an error; body '{}' "
+                  "gained most",
+                  sample.step, sample.time_s, excess->excess_j, excess->bound_j,
+                  scene_.world.bodies[excess->body].name));
+}
+
+void Watch::watch_passages(Sample& sample) {
+  sample.tellable.raise(Flag::tunnelled);
+  const std::vector<Passage>& passages = passages_.observe(sample.states);
+  if (passages.empty()) return;
+  const auto& bodies = scene_.world.bodies;
+  passage_ = fmt::format("'{}' through '{}'", bodies[passages.front().body].name,
+                         bodies[passages.front().through].name);
+  sample.flags.raise(Flag::tunnelled);
+  sample.passage = passage_;
+}
+
+Expected<void> Watch::observe(Simulation& simulation, std::size_t step) {
   Sample sample;
   sample.step = step;
   sample.time_s = static_cast<double>(step) * cell_.step_s;
@@ -125,22 +171,28 @@ void Watch::observe(Simulation& simulation, std::size_t step) {
   }
   if (const DiagnosticView* view = simulation.diagnostic_view(); view != nullptr && step > 0) {
     sample.diagnostics = view->diagnostics();
+    sample.flags = view->flags();
+    sample.tellable = view->tellable();
   }
+  if (auto ok = check_energy(sample); !ok) return ok;
+  watch_passages(sample);
+  validity_.observe(sample);
   hash_.observe(sample);
   if (recorder_ != nullptr) recorder_->observe(sample);
   for (const auto& metric : metrics_) metric->observe(sample);
-  if (step % stride_ != 0) return;
+  if (step % stride_ != 0) return {};
   std::vector<Measurement> values;
   for (const auto& metric : metrics_) metric->trace(values);
   for (const Measurement& value : values) {
     if (std::isnan(value.value)) continue;
     curves_.push_back({value.name, value.unit, sample.time_s, value.value});
   }
+  return {};
 }
 
-std::vector<Measurement> Watch::report() const {
-  std::vector<Measurement> values;
-  for (const auto& metric : metrics_) metric->report(values);
+std::vector<std::vector<Measurement>> Watch::report() const {
+  std::vector<std::vector<Measurement>> values(metrics_.size());
+  for (std::size_t i = 0; i < metrics_.size(); ++i) metrics_[i]->report(values[i]);
   return values;
 }
 

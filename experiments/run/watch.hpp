@@ -5,8 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "experiments/metrics/energy_bound.hpp"
+#include "experiments/metrics/passages.hpp"
 #include "experiments/metrics/state_hash.hpp"
 #include "experiments/metrics/step_clock.hpp"
+#include "experiments/metrics/validity.hpp"
+#include "experiments/record/provenance.hpp"
 #include "experiments/record/timing.hpp"
 #include "experiments/run/run_cell.hpp"
 #include "experiments/run/trajectory_recorder.hpp"
@@ -26,23 +30,32 @@ class Watch {
   Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues);
 
   // Builds the simulation and steps it to the end of the cell. Fails as the engine fails; with
-  // Fault::diverged at the first state that is not finite; with Fault::timed_out at the cell's time
-  // limit or when `after_step` says so.
+  // Fault::diverged at the first state that is not finite; with Fault::blown_up at the first with
+  // more energy than anything could have given it; with Fault::timed_out at the cell's time limit
+  // or when `after_step` says so.
   // `recorder` (may be nullptr) is shown every step too.
   Expected<void> run(const Adapter& adapter, const StepCallback& after_step,
                      TrajectoryRecorder* recorder = nullptr);
 
-  std::vector<Measurement> report() const;
+  // (metrics of the cell): what each of them says of the run so far.
+  std::vector<std::vector<Measurement>> report() const;
+  const Validity& validity() const { return validity_; }
   const std::vector<CurvePoint>& curves() const { return curves_; }
   std::uint64_t stride() const { return stride_; }
   std::string state_hash() const { return hash_.hex(); }
   void fill_timing(Timing& timing) const;
+  // What was asked of the engine and what its live objects have; empty before it is built.
+  const MethodRecord& method() const { return method_; }
 
  private:
   Expected<void> advance(Simulation& simulation, std::size_t step);
   Expected<void> check_finite(std::size_t step) const;
+  Settings settings() const;
+  void note_method(const Adapter& adapter, const Simulation& simulation);
   void set_wrenches(std::size_t step);
-  void observe(Simulation& simulation, std::size_t step);
+  Expected<void> observe(Simulation& simulation, std::size_t step);
+  Expected<void> check_energy(const Sample& sample);
+  void watch_passages(Sample& sample);
 
   const Scene& scene_;
   const Cell& cell_;
@@ -55,7 +68,12 @@ class Watch {
   std::vector<Wrench> wrenches_;  // (bodies)
   std::vector<Contact> contacts_;
   std::vector<CurvePoint> curves_;
+  MethodRecord method_;
   StateHash hash_;
+  EnergyBound energy_bound_;
+  Passages passages_;
+  std::string passage_;
+  Validity validity_;
   TrajectoryRecorder* recorder_ = nullptr;
   StepClock clock_;
 };

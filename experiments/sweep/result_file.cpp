@@ -13,7 +13,7 @@ namespace brickbench {
 namespace {
 
 constexpr std::string_view k_magic = "brickbench-cell";
-constexpr std::string_view k_version = "2";
+constexpr std::string_view k_version = "3";
 
 // The lines of a CSV text without its header.
 std::string without_header(const std::string& csv) { return csv.substr(csv.find('\n') + 1); }
@@ -116,8 +116,8 @@ std::filesystem::path log_path(const std::filesystem::path& sweep, std::string_v
 std::string checksum(std::string_view text) { return checksum_of(text, ""); }
 
 bool is_retried(std::string_view outcome) {
-  constexpr std::array<std::string_view, 5> retried = {"diverged", "crashed", "timed_out",
-                                                       "out_of_memory", "invalid"};
+  constexpr std::array<std::string_view, 6> retried = {"diverged",  "blown_up",      "crashed",
+                                                       "timed_out", "out_of_memory", "invalid"};
   return std::ranges::find(retried, outcome) != retried.end();
 }
 

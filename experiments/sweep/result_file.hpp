@@ -2,7 +2,7 @@
 // record that the cell is done.
 //
 // One line
-//   brickbench-cell 2 <id> <outcome> <bytes of reason> <of rows> <of timings> <of series>
+//   brickbench-cell 3 <id> <outcome> <bytes of reason> <of rows> <of timings> <of series>
 //   <XXH3-128>
 // then reason, rows, timings and series, the latter three as the lines of CSV without the header.
 // The checksum is that of everything else in the file.

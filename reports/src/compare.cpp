@@ -73,9 +73,21 @@ struct Values {
   std::string engine;
   std::string unit;
   std::string better;
-  std::vector<double> values;
+  std::vector<double> values;      // valid ones
   std::set<std::string> outcomes;  // other than ok
+  std::size_t flagged = 0;
+  std::set<std::string> flags;  // their words
 };
+
+// "unsolved in 31 of 240 steps from step 12; clamped in ...": the first word of each part.
+void add_flags(const std::string& validity, std::set<std::string>& flags) {
+  for (std::size_t at = 0; at < validity.size();) {
+    const std::size_t end = std::min(validity.find("; ", at), validity.size());
+    const std::string part = validity.substr(at, end - at);
+    flags.insert(part.substr(0, part.find(' ')));
+    at = end + 2;
+  }
+}
 
 using Key = std::vector<std::string>;
 
@@ -102,10 +114,14 @@ std::map<Key, Values> numbers_of(const ReportSource& source,
     values.engine = contender_of(row);
     values.unit = row.unit;
     values.better = row.better;
-    if (row.value)
-      values.values.push_back(*row.value);
-    else
+    if (!row.value) {
       values.outcomes.insert(row.outcome);
+    } else if (row.validity.empty()) {
+      values.values.push_back(*row.value);
+    } else {
+      ++values.flagged;
+      add_flags(row.validity, values.flags);
+    }
   }
   for (auto& [key, values] : numbers) std::ranges::sort(values.values);
   return numbers;
@@ -122,14 +138,19 @@ double half_range(const std::vector<double>& sorted) {
 }
 
 std::string outcome_words(const Values& values) {
-  if (values.outcomes.empty()) return "ok";
-  std::string text = fmt::format("{}", fmt::join(values.outcomes, "+"));
+  std::vector<std::string> words(values.outcomes.begin(), values.outcomes.end());
+  if (values.flagged > 0) {
+    words.push_back(fmt::format("{} (flagged)", fmt::join(values.flags, ", ")));
+  }
+  if (words.empty()) return "ok";
+  std::string text = fmt::format("{}", fmt::join(words, "+"));
   return values.values.empty() ? text : fmt::format("{} ok, some {}", values.values.size(), text);
 }
 
 // Identical folders yield nothing here.
 std::optional<Change> change_between(const std::string& number, const Values& a, const Values& b) {
-  if (a.values == b.values && a.outcomes == b.outcomes) return {};
+  const bool same_kinds = a.outcomes == b.outcomes && a.flagged == b.flagged && a.flags == b.flags;
+  if (a.values == b.values && same_kinds) return {};
   Change change;
   change.scene = b.scene;
   change.engine = b.engine;
@@ -137,7 +158,7 @@ std::optional<Change> change_between(const std::string& number, const Values& a,
   change.unit = b.unit;
   change.before = median(a.values);
   change.after = median(b.values);
-  if (a.values.size() != b.values.size() || a.outcomes != b.outcomes) {
+  if (a.values.size() != b.values.size() || !same_kinds) {
     change.kind = ChangeKind::outcome;
     change.relative = std::numeric_limits<double>::infinity();
     change.words = outcome_words(a) + " -> " + outcome_words(b);
@@ -176,10 +197,17 @@ void compare_facts(const ReportSource& a, const ReportSource& b,
 
 void compare_timings(const ReportSource& a, const ReportSource& b,
                      const std::map<std::string, std::string>& turned, FolderComparison& out) {
+  std::set<std::string> untimed;
   const auto collect = [&](const ReportSource& source) {
     std::map<Key, std::vector<double>> medians;
     for (const Timing& timing : source.timings) {
       if (timing.steps == 0) continue;
+      if (timing.outcome != "ok" || !timing.validity.empty()) {
+        untimed.insert(fmt::format("{}/{}, {}: not comparable: {}", timing.engine, timing.variant,
+                                   timing.experiment,
+                                   timing.validity.empty() ? timing.outcome : timing.validity));
+        continue;
+      }
       medians[key_of(timing.experiment, timing.engine, timing.variant, timing.step_s, timing.axes,
                      turned)]
           .push_back(timing.step_median_cpu_s);
@@ -204,6 +232,7 @@ void compare_timings(const ReportSource& a, const ReportSource& b,
     change.worse = *change.after > *change.before;
     if (change.relative > change.noise) out.timings.push_back(change);
   }
+  out.untimed.assign(untimed.begin(), untimed.end());
 }
 
 double severity(const Change& change) {
@@ -233,10 +262,12 @@ FolderComparison compare(const ReportSource& a, const ReportSource& b) {
       lost.insert(values.scene + ", " + values.engine);
       continue;
     }
-    ++out.compared;
+    const bool comparable = !values.values.empty() && !found->second.values.empty();
+    const bool flagged = values.flagged > 0 || found->second.flagged > 0;
+    ++(comparable ? out.compared : flagged ? out.flagged : out.without_number);
     const auto change = change_between(key.back(), values, found->second);
     if (!change) {
-      ++out.same;
+      out.same += comparable ? 1U : 0U;
       continue;
     }
     if (change->kind != ChangeKind::within_noise) ++out.beyond_noise;

@@ -32,7 +32,7 @@ struct Change {
   std::optional<double> after;
   double relative = 0.0;  // |after - before| / max(|before|, |after|); infinite for outcomes
   double noise = 0.0;     // half the wider range over the seeds, over the same scale
-  std::string words;      // outcomes: "ok -> diverged"
+  std::string words;      // outcomes: "ok -> diverged", "ok -> unsolved (flagged)"
   bool worse = false;     // moved against the number's direction
 };
 
@@ -42,9 +42,12 @@ struct FolderComparison {
   std::vector<Change> timings;     // CPU per step beyond k_timing_noise_relative
   std::vector<std::string> only_in_a;  // "scene, engine" that the other has not
   std::vector<std::string> only_in_b;
-  std::size_t compared = 0;      // numbers that both have
-  std::size_t same = 0;          // of them identical to the last bit
-  std::size_t beyond_noise = 0;  // changes that are no noise, outcomes included
+  std::size_t compared = 0;          // numbers that both have, valid
+  std::size_t flagged = 0;           // not compared: flagged in one of them, or in both
+  std::size_t without_number = 0;    // not compared: no value in one of them, or in both
+  std::vector<std::string> untimed;  // "engine, experiment: not comparable: why"
+  std::size_t same = 0;              // of them identical to the last bit
+  std::size_t beyond_noise = 0;      // changes that are no noise, outcomes included
 };
 
 // Cells are paired by experiment, engine, variant, step, seed and axes; axes that differ between

@@ -48,9 +48,20 @@ std::string html_list(const std::vector<std::string>& items) {
 }  // namespace
 
 std::string headline(const FolderComparison& comparison) {
-  if (comparison.compared == 0) return "The two folders share no cell.";
-  const std::string share =
-      fmt::format("{} of {} numbers are identical", comparison.same, comparison.compared);
+  const std::size_t apart = comparison.flagged + comparison.without_number;
+  if (comparison.compared + apart == 0) return "The two folders share no cell.";
+  const std::string not_compared =
+      apart == 0 ? ""
+                 : fmt::format("; {} could not be compared ({} flagged, {} without a number)",
+                               apart, comparison.flagged, comparison.without_number);
+  const std::string share = fmt::format("{} of {} numbers are identical{}", comparison.same,
+                                        comparison.compared, not_compared);
+  if (comparison.compared == 0 && comparison.beyond_noise == 0) {
+    return fmt::format(
+        "Nothing could be compared: of {} numbers {} are flagged and {} have no "
+        "value.",
+        apart, comparison.flagged, comparison.without_number);
+  }
   if (comparison.same == comparison.compared && comparison.only_in_a.empty() &&
       comparison.only_in_b.empty()) {
     return fmt::format("No change: {}.", share);
@@ -99,6 +110,7 @@ std::string compare_markdown(const FolderComparison& comparison, const std::stri
     out += fmt::format("## CPU time per step, by more than {:.0f} %\n\n{}\n",
                        100.0 * k_timing_noise_relative, to_markdown(timings));
   }
+  out += list_text("Times that are not compared:", comparison.untimed, "- ");
   out += list_text("Only in the first:", comparison.only_in_a, "- ");
   out += list_text("Only in the second:", comparison.only_in_b, "- ");
   return out;
@@ -123,6 +135,7 @@ std::string compare_html(const FolderComparison& comparison, const std::string& 
   if (!timings.rows.empty()) {
     out += html_section("timings", "CPU time per step", html_table(timings, palette));
   }
+  out += html_section("untimed", "Times that are not compared", html_list(comparison.untimed));
   out += html_section("only-a", "Only in the first", html_list(comparison.only_in_a));
   return out + html_section("only-b", "Only in the second", html_list(comparison.only_in_b));
 }

@@ -62,7 +62,7 @@ std::vector<NumberSample> samples_of(const ReportSource& source, const SceneName
     const auto [place, is_new] = known.emplace(std::pair{group, row.metric}, samples.size());
     if (is_new) samples.push_back({{group, row.metric, row.unit, row.better}, {}});
     StartSample& sample = samples[place->second].sample;
-    if (row.value && std::isfinite(*row.value)) {
+    if (row.value && std::isfinite(*row.value) && row.validity.empty()) {
       sample.starts.push_back(row.seed);
       sample.values.push_back(*row.value);
     } else {
@@ -95,7 +95,9 @@ Fan fan_of(const std::map<double, std::vector<double>>& values_at) {
 
 std::vector<CurveFan> fans_of(const ReportSource& source, const SceneNames& names) {
   std::map<std::string, Group> groups;
-  for (const Row& row : source.rows) groups.try_emplace(row.cell, group_of(row, names));
+  for (const Row& row : source.rows) {
+    if (row.validity.empty()) groups.try_emplace(row.cell, group_of(row, names));
+  }
   std::vector<Measured> order;
   std::map<std::pair<Group, std::string>, std::map<double, std::vector<double>>> values;
   for (const SeriesPoint& point : source.series) {

@@ -30,12 +30,12 @@ struct EnsembleVerdict {
   std::size_t more_runs = 0;  // with not_enough_runs: of each of the two
 };
 
-// The finite values of one ensemble, in order of their starts.
+// The valid, finite values of one ensemble, in order of their starts.
 struct StartSample {
   std::string label;  // of an engine, or of a folder
   std::vector<std::uint64_t> starts;
   std::vector<double> values;
-  std::size_t without_value = 0;  // starts that ended without a finite number
+  std::size_t without_value = 0;  // starts that ended without a finite number, or flagged
 };
 
 struct EnsemblePair {

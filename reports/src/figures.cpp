@@ -40,6 +40,9 @@ bool should_be_small(const Block& block, const Number& number) {
   return number.better == "lower" && !has_relative_twin(block, number.name);
 }
 
+// The time of a run that failed or is flagged is no cost of anything.
+bool is_timed(const Timing& timing) { return timing.outcome == "ok" && timing.validity.empty(); }
+
 struct Place {
   std::string family;
   std::string group;
@@ -175,7 +178,7 @@ std::vector<Figure> figures_against_step(const ReportSource& source, Palette& pa
       }
       for (std::size_t c = 0; c < block.contenders.size(); ++c) {
         const Score& score = block.scores[c][n];
-        if (!score.median) continue;
+        if (!score.is_valid()) continue;
         Curve& curve = curve_of(figure, block.contenders[c].label(), palette);
         curve.x.push_back(block.step_s);
         curve.y.push_back(*score.median);
@@ -205,7 +208,7 @@ std::vector<Figure> figures_against_cost(const ReportSource& source, Palette& pa
   for (const Timing& timing : source.timings) {
     const auto fact = facts.find(timing.cell);
     const double simulated_s = timing.step_s * static_cast<double>(timing.steps);
-    if (fact == facts.end() || timing.outcome != "ok" || !(simulated_s > 0.0)) continue;
+    if (fact == facts.end() || !is_timed(timing) || !(simulated_s > 0.0)) continue;
     costs[{fact->second.scene, fact->second.contender}].push_back(timing.steps_total_cpu_s /
                                                                   simulated_s);
   }
@@ -231,7 +234,7 @@ std::vector<Figure> figures_against_cost(const ReportSource& source, Palette& pa
     for (std::size_t c = 0; c < block.contenders.size(); ++c) {
       const std::string label = block.contenders[c].label();
       auto cost = costs.find({scene_label(block), label});
-      if (!block.scores[c][n].median || cost == costs.end()) continue;
+      if (!block.scores[c][n].is_valid() || cost == costs.end()) continue;
       std::ranges::sort(cost->second);
       Curve& curve = curve_of(figure, label, palette);
       curve.x.push_back(cost->second[cost->second.size() / 2]);

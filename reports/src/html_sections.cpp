@@ -58,6 +58,8 @@ const char* class_of(const TableCell& cell) {
       return " class=\"worst\"";
     case Mark::failed:
       return " class=\"failed\"";
+    case Mark::flagged:
+      return " class=\"flagged\"";
     case Mark::plain:
       return cell.text.size() > k_prose ? " class=\"text\"" : "";
   }
@@ -206,14 +208,19 @@ std::string html_scene_tables(const std::vector<Block>& blocks, const SceneNames
   std::string out;
   std::string scene;
   std::string body;
+  std::vector<Block> of_scene;
   const auto flush = [&] {
     if (!body.empty()) {
+      for (const std::string& line : flag_lines(of_scene)) {
+        body += fmt::format("<p class=\"quiet\">{}</p>\n", escape_markup(line));
+      }
       const std::string& brief = names.brief(scene);
       const std::string whole =
           brief == scene ? "" : fmt::format("<p class=\"quiet\">{}</p>\n", escape_markup(scene));
       out += summary_details(brief, whole + body, true);
     }
     body.clear();
+    of_scene.clear();
   };
   for (const Block& block : blocks) {
     if (scene_label(block) != scene) {
@@ -223,6 +230,7 @@ std::string html_scene_tables(const std::vector<Block>& blocks, const SceneNames
     const Table table = to_table(block);
     if (table.rows.empty()) continue;
     body += fmt::format("<h4>{}</h4>\n{}", escape_markup(block.group), html_table(table, palette));
+    of_scene.push_back(block);
   }
   flush();
   return out;

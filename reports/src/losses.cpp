@@ -13,12 +13,24 @@ std::optional<std::size_t> best_of(const Block& block, std::size_t n, const Belo
   const bool lower = block.numbers[n].better == "lower";
   std::optional<std::size_t> best;
   for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+    if (!block.scores[c][n].is_valid() || !belongs(block.contenders[c])) continue;
     const auto& median = block.scores[c][n].median;
-    if (!median || !belongs(block.contenders[c])) continue;
     const double so_far = best ? *block.scores[*best][n].median : 0.0;
     if (!best || (lower ? *median < so_far : *median > so_far)) best = c;
   }
   return best;
+}
+
+// Whether each side has a value, valid or not: then flags alone keep them from being compared.
+template <typename IsOwn>
+bool is_kept_by_flags(const Block& block, std::size_t n, const IsOwn& is_own) {
+  bool ours = false;
+  bool others = false;
+  for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+    if (!block.scores[c][n].median) continue;
+    (is_own(block.contenders[c]) ? ours : others) = true;
+  }
+  return ours && others;
 }
 
 double severity(const Loss& loss) {
@@ -54,7 +66,10 @@ LossTable losses(std::span<const Block> blocks, std::span<const std::string> own
       if (block.numbers[n].better == "neither") continue;
       const auto ours = best_of_own(block, n, own);
       const auto other = best_of(block, n, [&](const Contender& c) { return !is_own(c); });
-      if (!ours || !other) continue;
+      if (!ours || !other) {
+        table.flagged += is_kept_by_flags(block, n, is_own) ? 1U : 0U;
+        continue;
+      }
       ++table.compared;
       const double a = *block.scores[*ours][n].median;
       const double b = *block.scores[*other][n].median;

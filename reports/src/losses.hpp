@@ -25,7 +25,8 @@ struct Loss {
 struct LossTable {
   // The largest |log ratio| first, those without ratio at the very top, rounding at the end.
   std::vector<Loss> rows;
-  std::size_t compared = 0;  // numbers with a direction in which ours and another have a value
+  std::size_t compared = 0;  // numbers with a direction in which ours and another have a valid one
+  std::size_t flagged = 0;   // further ones, where one side has none but flagged ones
   std::size_t rounding = 0;  // rows that are rounding
 };
 

@@ -15,14 +15,22 @@ std::string head(const ReportInput& input) {
   const Provenance& p = *input.provenance;
   std::set<std::string> cells;
   std::set<std::string> whole;
+  std::set<std::string> flagged;
   for (const Row& row : input.rows) {
     cells.insert(row.cell);
     if (!row.state_hash.empty()) whole.insert(row.cell);
+    if (!row.validity.empty()) flagged.insert(row.cell);
   }
   std::string out = fmt::format("# {}\n\n", p.title);
   if (!p.analysis.empty()) out += p.analysis + "\n\n";
   if (!cells.empty()) {
-    out += fmt::format("{} of {} cells ran to their end.\n\n", whole.size(), cells.size());
+    out += fmt::format("{} of {} cells ran to their end", whole.size(), cells.size());
+    if (!flagged.empty()) {
+      out += fmt::format(
+          "; {} of them are flagged (!): their numbers are shown and not ranked, averaged or timed",
+          flagged.size());
+    }
+    out += ".\n\n";
   }
   out += fmt::format("Made by\n\n```sh\n{}\n```\n\n", p.command);
   const Machine& m = p.machine;
@@ -47,6 +55,10 @@ std::string own_losses(const ReportInput& input, const std::vector<Block>& block
   if (found.rounding > 0) {
     out += fmt::format(", {} of them by rounding only (at most {} in SI units)", found.rounding,
                        k_rounding);
+  }
+  if (found.flagged > 0) {
+    out += fmt::format("; {} more are not made, because one side's numbers are flagged",
+                       found.flagged);
   }
   out += ".\n\n";
   if (found.rows.empty()) return out;
@@ -118,6 +130,12 @@ std::string inapplicable_lines(const Block& block) {
   return out.empty() ? "" : out + '\n';
 }
 
+std::string flagged_lines(const Block& block) {
+  std::string out;
+  for (const std::string& line : flag_lines({&block, 1})) out += "- " + line + '\n';
+  return out.empty() ? "" : out + '\n';
+}
+
 std::string blocks_text(const std::vector<Block>& blocks) {
   std::string out;
   std::string scene;
@@ -129,15 +147,21 @@ std::string blocks_text(const std::vector<Block>& blocks) {
     out += fmt::format("### {}\n\n", block.group);
     const Table table = to_table(block);
     if (!table.rows.empty()) out += to_markdown(table) + '\n';
-    out += worst_lines(block) + inapplicable_lines(block);
+    out += flagged_lines(block) + worst_lines(block) + inapplicable_lines(block);
   }
   return out;
 }
 
+// Whether the time may be compared with that of others.
+std::string comparable_text(const Timing& timing) {
+  if (timing.outcome != "ok") return "no: " + timing.outcome;
+  return timing.validity.empty() ? "yes" : "no: " + timing.validity;
+}
+
 std::string cost(const ReportInput& input) {
   Table table;
-  table.header = {"engine", "experiment", "step_s", "axes", "seed",
-                  "steps",  "median ms",  "max ms", "CPU s"};
+  table.header = {"engine", "experiment", "step_s", "axes",  "seed",
+                  "steps",  "median ms",  "max ms", "CPU s", "comparable"};
   for (const Timing& timing : input.timings) {
     if (timing.steps == 0) continue;
     table.rows.push_back({{timing.engine + '/' + timing.variant},
@@ -148,7 +172,8 @@ std::string cost(const ReportInput& input) {
                           {std::to_string(timing.steps)},
                           {short_number(1e3 * timing.step_median_cpu_s)},
                           {short_number(1e3 * timing.step_max_cpu_s)},
-                          {short_number(timing.steps_total_cpu_s)}});
+                          {short_number(timing.steps_total_cpu_s)},
+                          {comparable_text(timing)}});
   }
   if (table.rows.empty()) return "";
   return "## Cost\n\nCPU time of the engine alone, per step. It differs from run to run.\n\n" +

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace brickbench {
@@ -22,8 +23,10 @@ std::size_t index_of(std::vector<Item>& items, const Key& same, Item otherwise) 
 
 // The values of one score, collected before they are reduced.
 struct Sheet {
+  using Values = std::map<std::pair<std::size_t, std::size_t>, std::vector<double>>;
   Block block;
-  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> values;
+  Values valid;
+  Values flagged;
 };
 
 void add(Sheet& sheet, const Row& row, const std::string& knobs) {
@@ -38,18 +41,22 @@ void add(Sheet& sheet, const Row& row, const std::string& knobs) {
   for (auto& scores : block.scores) scores.resize(block.numbers.size());
   Score& score = block.scores[who][what];
   ++score.cells;
-  if (row.value) {
+  if (row.value && !row.validity.empty()) {
+    if (score.flagged++ == 0) score.validity = row.validity;
+    sheet.flagged[{who, what}].push_back(*row.value);
+  } else if (row.value) {
     if (score.with_value++ == 0) score.note = row.note;
-    sheet.values[{who, what}].push_back(*row.value);
+    sheet.valid[{who, what}].push_back(*row.value);
   } else if (score.outcome.empty()) {
     score.outcome = row.outcome;
     score.reason = row.reason;
   }
 }
 
-void reduce(Sheet& sheet) {
-  for (auto& [place, values] : sheet.values) {
-    Score& score = sheet.block.scores[place.first][place.second];
+void reduce(Block& block, Sheet::Values& all) {
+  for (auto& [place, values] : all) {
+    Score& score = block.scores[place.first][place.second];
+    if (score.median) continue;
     std::ranges::sort(values);
     const std::size_t middle = values.size() / 2;
     score.median =
@@ -60,7 +67,7 @@ void reduce(Sheet& sheet) {
 }
 
 bool is_same(const Score& a, const Score& b) {
-  return a.median && b.median && std::abs(*a.median - *b.median) <= k_rounding;
+  return a.is_valid() && b.is_valid() && std::abs(*a.median - *b.median) <= k_rounding;
 }
 
 // Best and worst engine of each number that has a direction and differs between engines.
@@ -71,8 +78,8 @@ void rank(Block& block) {
     std::optional<std::size_t> low;
     std::optional<std::size_t> high;
     for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+      if (!block.scores[c][n].is_valid()) continue;
       const auto& median = block.scores[c][n].median;
-      if (!median) continue;
       if (!low || *median < *block.scores[*low][n].median) low = c;
       if (!high || *median > *block.scores[*high][n].median) high = c;
     }
@@ -124,7 +131,8 @@ std::vector<Block> summarize(std::span<const Row> rows) {
   }
   std::vector<Block> blocks;
   for (Sheet& sheet : sheets) {
-    reduce(sheet);
+    reduce(sheet.block, sheet.valid);
+    reduce(sheet.block, sheet.flagged);
     rank(sheet.block);
     blocks.push_back(std::move(sheet.block));
   }
@@ -159,6 +167,8 @@ Table to_table(const Block& block) {
       Mark mark = Mark::plain;
       if (!score.median)
         mark = Mark::failed;
+      else if (!score.is_valid())
+        mark = Mark::flagged;
       else if (is_best(block, c, n))
         mark = Mark::best;
       else if (is_worst(block, c, n))
@@ -182,10 +192,31 @@ std::string score_text(const Score& score) {
     return score.cells > 1 ? fmt::format("{} (0 of {})", score.outcome, score.cells)
                            : score.outcome;
   }
-  if (score.cells == 1) return short_number(*score.median);
-  return fmt::format("{} [{} .. {}] ({} of {})", short_number(*score.median),
+  const std::string mark = score.is_valid() ? "" : " !";
+  if (score.cells == 1) return short_number(*score.median) + mark;
+  const std::string flagged = score.flagged > 0 ? fmt::format(", {} !", score.flagged) : "";
+  return fmt::format("{}{} [{} .. {}] ({} of {}{})", short_number(*score.median), mark,
                      short_number(score.lowest), short_number(score.highest), score.with_value,
-                     score.cells);
+                     score.cells, flagged);
+}
+
+std::vector<std::string> flag_lines(std::span<const Block> blocks) {
+  std::vector<std::string> lines;
+  std::set<std::string> seen;
+  for (const Block& block : blocks) {
+    for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+      const auto& scores = block.scores[c];
+      const auto worst = std::ranges::max_element(scores, {}, &Score::flagged);
+      const std::string label = block.contenders[c].label();
+      if (worst == scores.end() || worst->flagged == 0 || !seen.insert(label).second) continue;
+      lines.push_back(fmt::format("! {}: {}", label, worst->validity));
+      if (worst->cells > 1) {
+        lines.back() +=
+            fmt::format(" (the first of {} flagged among {} cells)", worst->flagged, worst->cells);
+      }
+    }
+  }
+  return lines;
 }
 
 }  // namespace brickbench

@@ -15,16 +15,23 @@ namespace brickbench {
 // Differences up to this, in a number's SI unit, are rounding: nobody is better by them.
 inline constexpr double k_rounding = 1e-11;
 
-// What one engine reached in one number of a block, over all cells (seeds) of it.
+// What one engine reached in one number of a block, over all cells (seeds) of it. Median, lowest
+// and highest are of the cells with a valid value; where every value is flagged they are of those,
+// for show.
 struct Score {
-  std::optional<double> median;  // of the cells with a value
+  std::optional<double> median;
   double lowest = 0.0;
   double highest = 0.0;
-  std::size_t with_value = 0;
+  std::size_t with_value = 0;  // valid
+  std::size_t flagged = 0;     // with a value that is not to be trusted
   std::size_t cells = 0;
-  std::string note;     // of the first cell with a value
-  std::string outcome;  // of the first cell without one
+  std::string validity;  // of the first flagged cell
+  std::string note;      // of the first cell with a value
+  std::string outcome;   // of the first cell without one
   std::string reason;
+
+  // A number that may be ranked, averaged and compared.
+  bool is_valid() const { return median.has_value() && with_value > 0; }
 };
 
 struct Number {
@@ -81,7 +88,12 @@ std::string scene_label(const Block& block);
 
 // Four significant digits.
 std::string short_number(double value);
-// "0.0123", "0.0123 [0.01 .. 0.02] (7 of 8)" or the outcome.
+// "0.0123", "0.0123 [0.01 .. 0.02] (7 of 8)" or the outcome. A flag is a "!": "0.0123 !",
+// "0.0123 [0.01 .. 0.02] (6 of 8, 2 !)", and flag_lines() says what it means.
 std::string score_text(const Score& score);
+
+// One line per flagged contender of the blocks, which are those of one scene: "! bee/v: unsolved
+// in 31 of 240 steps from step 12 (the first of 2 flagged among 8 cells)".
+std::vector<std::string> flag_lines(std::span<const Block> blocks);
 
 }  // namespace brickbench

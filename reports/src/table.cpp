@@ -40,6 +40,8 @@ std::string_view colour_code(Mark mark) {
       return "\033[33m";
     case Mark::failed:
       return "\033[31m";
+    case Mark::flagged:
+      return "\033[35m";
   }
   return "";
 }

@@ -6,7 +6,7 @@
 
 namespace brickbench {
 
-enum class Mark { plain, best, worst, failed };
+enum class Mark { plain, best, worst, failed, flagged };
 
 struct TableCell {
   std::string text;

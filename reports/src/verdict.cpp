@@ -16,17 +16,24 @@ std::string with_unit(double value, const std::string& unit) {
   return unit == "1" ? short_number(value) : short_number(value) + ' ' + unit;
 }
 
+std::string kept_by_flags(const LossTable& table) {
+  if (table.flagged == 0) return "";
+  return fmt::format("; {} more are not made, because one side's numbers are flagged",
+                     table.flagged);
+}
+
 void add_losses(const ReportSource& source, const std::vector<Block>& blocks,
                 const SceneNames& names, std::vector<std::string>& out) {
   const std::vector<std::string> own = own_engines(source.provenance);
   if (own.empty() || source.rows.empty()) return;
   const LossTable table = losses(blocks, own);
   if (table.compared == 0) {
-    out.push_back("No number compares our own engine with another here.");
+    out.push_back(fmt::format("No number compares our own engine with another here{}.",
+                              kept_by_flags(table)));
     return;
   }
-  std::string line = fmt::format("Our own engine is beaten in {} of {} comparisons.",
-                                 table.rows.size(), table.compared);
+  std::string line = fmt::format("Our own engine is beaten in {} of {} comparisons{}.",
+                                 table.rows.size(), table.compared, kept_by_flags(table));
   if (table.rounding > 0) {
     line += fmt::format(" In {} of them by rounding only (at most {} in SI units).", table.rounding,
                         k_rounding);
@@ -64,7 +71,7 @@ std::string who(const Block& block, std::size_t first, const Belongs& belongs) {
 
 std::size_t with_value(const Block& block, std::size_t n) {
   return static_cast<std::size_t>(std::ranges::count_if(
-      block.scores, [n](const auto& scores) { return scores[n].median.has_value(); }));
+      block.scores, [n](const auto& scores) { return scores[n].is_valid(); }));
 }
 
 void add_unfinished(const ReportSource& source, std::vector<std::string>& out) {
@@ -84,6 +91,29 @@ void add_unfinished(const ReportSource& source, std::vector<std::string>& out) {
   out.push_back(line + '.');
 }
 
+// Whose numbers are not to be trusted; they are shown and never ranked.
+void add_flagged(const ReportSource& source, std::vector<std::string>& out) {
+  std::map<std::string, std::set<std::string>> flagged;
+  std::set<std::string> whole;
+  std::set<std::string> all;
+  for (const Row& row : source.rows) {
+    if (row.state_hash.empty()) continue;
+    whole.insert(row.cell);
+    if (row.validity.empty()) continue;
+    all.insert(row.cell);
+    flagged[row.engine + '/' + row.variant].insert(row.cell);
+  }
+  if (all.empty()) return;
+  std::string line = fmt::format(
+      "{} of {} cells that ran to their end are flagged (!): their numbers are shown and not "
+      "ranked, averaged or timed:",
+      all.size(), whole.size());
+  for (const auto& [engine, of] : flagged) {
+    line += fmt::format("{} {} {}", line.ends_with(':') ? "" : ",", of.size(), engine);
+  }
+  out.push_back(line + '.');
+}
+
 void add_validation(const ReportSource& source, std::vector<std::string>& out) {
   if (source.validation.is_null()) return;
   const ValidationCount count = count_validation(source.validation);
@@ -100,6 +130,7 @@ std::vector<std::string> verdict(const ReportSource& source, const std::vector<B
   std::vector<std::string> out;
   add_losses(source, blocks, names, out);
   add_unfinished(source, out);
+  add_flagged(source, out);
   add_validation(source, out);
   return out;
 }

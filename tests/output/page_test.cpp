@@ -320,6 +320,59 @@ TEST(Compare, ATurnedParameterIsNamedAndItsEffectMeasured) {
   EXPECT_TRUE(comparison.only_in_a.empty());
 }
 
+constexpr const char* k_unsolved = "unsolved in 31 of 240 steps from step 12";
+
+ReportSource flagged_source(const std::string& engine, const std::string& validity) {
+  ReportSource one = source("one", "", 1.0);
+  for (Row& r : one.rows) {
+    if (engine.empty() || r.engine == engine) r.validity = validity;
+  }
+  for (Timing& timing : one.timings) {
+    if (engine.empty() || timing.engine == engine) timing.validity = validity;
+  }
+  return one;
+}
+
+TEST(Compare, FlaggedNumbersAreCountedAndNotCompared) {
+  const ReportSource bee = flagged_source("bee", k_unsolved);
+  FolderComparison comparison = compare(bee, bee);
+  EXPECT_EQ(comparison.compared, 2U);
+  EXPECT_EQ(comparison.same, 2U);
+  EXPECT_EQ(comparison.flagged, 2U);
+  EXPECT_EQ(headline(comparison),
+            "No change: 2 of 2 numbers are identical; 2 could not be compared (2 flagged, 0 "
+            "without a number).");
+  ASSERT_EQ(comparison.untimed.size(), 1U);
+  EXPECT_EQ(comparison.untimed[0], std::string("bee/v, wall: not comparable: ") + k_unsolved);
+  const ReportSource all = flagged_source("", k_unsolved);
+  comparison = compare(all, all);
+  EXPECT_EQ(comparison.compared, 0U);
+  EXPECT_EQ(headline(comparison),
+            "Nothing could be compared: of 4 numbers 4 are flagged and 0 have no value.");
+}
+
+TEST(Compare, ARunThatCameToBeFlaggedIsAChange) {
+  const FolderComparison comparison =
+      compare(source("one", "", 1.0), flagged_source("bee", k_unsolved));
+  EXPECT_EQ(comparison.beyond_noise, 2U);
+  EXPECT_EQ(comparison.changes.front().words, "ok -> unsolved (flagged)");
+  EXPECT_TRUE(comparison.changes.front().worse);
+}
+
+TEST(Compare, MissingOnBothSidesIsNotIdentical) {
+  ReportSource one = source("one", "", 1.0);
+  for (Row& r : one.rows) {
+    r.value.reset();
+    r.outcome = "diverged";
+  }
+  const FolderComparison comparison = compare(one, one);
+  EXPECT_EQ(comparison.compared, 0U);
+  EXPECT_EQ(comparison.same, 0U);
+  EXPECT_EQ(comparison.without_number, 4U);
+  EXPECT_EQ(headline(comparison),
+            "Nothing could be compared: of 4 numbers 0 are flagged and 4 have no value.");
+}
+
 TEST(Compare, SeedsMeasureTheNoise) {
   ReportSource one;
   ReportSource two;

@@ -124,6 +124,48 @@ TEST(Gate, AnOutcomeThatChangedIsADeviation) {
   EXPECT_EQ(only(bound_record(1.0, 1.0), crashed).finding, Finding::deviation);
 }
 
+Record with_validity(Record record, std::optional<std::string> validity) {
+  record.validity = std::move(validity);
+  return record;
+}
+
+TEST(Gate, AFlaggedNumberIsNotComparedAndANewFlagIsADeviation) {
+  const std::string flag = "unsolved in 1 of 9 steps from step 3";
+  for (const Record& record :
+       {bound_record(1.0, 0.5), hash_record("a", "1"), sample_record(5, 1)}) {
+    EXPECT_EQ(only(record, with_validity(record, flag)).finding, Finding::deviation);
+    EXPECT_EQ(only(with_validity(record, flag), record).finding, Finding::flagged);
+    const Comparison both = only(with_validity(record, flag), with_validity(record, flag));
+    EXPECT_EQ(both.finding, Finding::flagged);
+    EXPECT_NE(both.message.find(flag), std::string::npos) << both.message;
+    EXPECT_FALSE(is_compared(both) || is_red(both));
+    // A reference of earlier times says nothing of its validity.
+    EXPECT_EQ(only(with_validity(record, {}), record).finding, Finding::fine);
+    EXPECT_EQ(only(with_validity(record, {}), with_validity(record, flag)).finding,
+              Finding::flagged);
+  }
+}
+
+TEST(Gate, NothingComparedIsNoSuccess) {
+  Record crashed = bound_record(1.0, 1.0);
+  crashed.outcome = "crashed";
+  crashed.values.clear();
+  const Record flagged =
+      with_validity(bound_record(1.0, 1.0), "clamped in 1 of 9 steps from step 3");
+  for (const Record& record : {crashed, flagged}) {
+    CheckResult result;
+    result.comparisons = compare(suite_of({record}), suite_of({record}), {}, true);
+    EXPECT_FALSE(is_compared(result.comparisons.at(0)));
+    EXPECT_EQ(exit_code(result), 3);
+    EXPECT_TRUE(bless(suite_of({record}), suite_of({record}), {}, {}).changed.empty());
+    Record sound = bound_record(1.0, 1.0);
+    sound.metric = "another";
+    result.comparisons = compare(suite_of({sound, record}), suite_of({sound, record}), {}, true);
+    EXPECT_EQ(exit_code(result), 0);
+  }
+  EXPECT_EQ(exit_code(CheckResult{}), 3);
+}
+
 TEST(Gate, WhatIsMissingOrNewIsSaid) {
   const Suite one = suite_of({bound_record(1.0, 0.1)});
   EXPECT_EQ(compare(one, Suite{}, {}, true).at(0).finding, Finding::missing);

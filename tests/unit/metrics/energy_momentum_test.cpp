@@ -181,5 +181,22 @@ TEST(Momentum, ClaimsNothingWhereFixedBodiesAreSilent) {
   EXPECT_TRUE(applies(find(found, "momentum_from_fixed_ns")));
 }
 
+// A brick whose speed is out by a share for half the run, on either side, and right at the end.
+TEST(Energy, ErrorsCountOnBothSides) {
+  for (const double share : {0.5, 0.9, 1.0, 1.2}) {
+    SyntheticRun run{.scene = scene_of({test_brick("a", {0, 0, 0}, {3, 0, 0})}, {0, 0, 0})};
+    run.states = [start = initial_states(run.scene), share](std::size_t step) {
+      auto states = start;
+      if (step > 0 && step < 50) states[0].velocity_mps *= share;
+      return states;
+    };
+    const auto found = measure("energy", run);
+    // Mass 2 kg: 9 J.
+    EXPECT_NEAR(value(found, "energy_error_max_j"), 9.0 * std::abs(share * share - 1.0), 1e-12);
+    EXPECT_NEAR(value(found, "energy_error_max_relative"), std::abs(share * share - 1.0), 1e-12);
+    EXPECT_EQ(value(found, "energy_net_drift_j"), 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace brickbench::testing

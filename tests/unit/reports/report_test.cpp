@@ -74,6 +74,82 @@ TEST(Summary, SeedsBecomeMediansWithTheirDenominator) {
   EXPECT_EQ(score_text(blocks.front().scores[0][0]), "2 [1 .. 4] (3 of 4)");
 }
 
+constexpr const char* k_flag = "unsolved in 31 of 240 steps from step 12";
+
+std::vector<Row> with_flag(std::vector<Row> all, const std::string& engine) {
+  for (Row& r : all) {
+    if (r.engine == engine) r.validity = k_flag;
+  }
+  return all;
+}
+
+TEST(Validity, AFlaggedNumberIsShownWithItsFlagAndNeverRanked) {
+  for (const std::string flagged : {"ours", "a", "b"}) {
+    const auto blocks = summarize(with_flag(rows(), flagged));
+    const Block& block = blocks.front();
+    const Table table = to_table(block);
+    for (std::size_t c = 0; c < block.contenders.size(); ++c) {
+      const bool is_flagged = block.contenders[c].engine == flagged;
+      for (std::size_t n = 0; n < block.numbers.size(); ++n) {
+        if (!is_flagged) continue;
+        EXPECT_FALSE(is_best(block, c, n) || is_worst(block, c, n)) << flagged;
+        EXPECT_EQ(table.rows[c][n + 1].mark, Mark::flagged);
+        EXPECT_TRUE(table.rows[c][n + 1].text.ends_with(" !")) << table.rows[c][n + 1].text;
+      }
+    }
+    EXPECT_EQ(flag_lines(blocks), std::vector<std::string>{"! " + flagged + "/v: " + k_flag});
+  }
+  // The best and the worst of the valid ones.
+  const Block block = summarize(with_flag(rows(), "a")).front();
+  EXPECT_EQ(block.numbers[0].best, 2U);
+  EXPECT_EQ(block.numbers[0].worst, 0U);
+}
+
+TEST(Validity, AFlaggedSeedIsLeftOutOfTheMedianAndCounted) {
+  std::vector<Row> seeded;
+  for (const double value : {4.0, 1.0, 2.0, -9.0}) {
+    seeded.push_back(row("a", "created_j", "lower", value, seeded.size() + 1));
+  }
+  seeded.back().validity = k_flag;
+  EXPECT_EQ(score_text(summarize(seeded).front().scores[0][0]), "2 [1 .. 4] (3 of 4, 1 !)");
+  for (Row& r : seeded) r.validity = k_flag;
+  EXPECT_EQ(score_text(summarize(seeded).front().scores[0][0]), "1.5 ! [-9 .. 4] (0 of 4, 4 !)");
+  EXPECT_FALSE(summarize(seeded).front().scores[0][0].is_valid());
+}
+
+TEST(Validity, NoComparisonIsMadeWithFlaggedNumbers) {
+  const std::vector<std::string> own = {"ours"};
+  LossTable table = losses(summarize(with_flag(rows(), "a")), own);
+  EXPECT_EQ(table.compared, 2U);
+  ASSERT_EQ(table.rows.size(), 1U);
+  EXPECT_EQ(table.rows[0].best, "b/v") << "beaten by a flagged number";
+  table = losses(summarize(with_flag(rows(), "ours")), own);
+  EXPECT_EQ(table.compared, 0U);
+  EXPECT_EQ(table.flagged, 2U);
+  EXPECT_TRUE(table.rows.empty());
+}
+
+TEST(Validity, TheReportCountsNamesAndExplainsTheFlags) {
+  std::vector<Row> all = with_flag(rows(), "a");
+  const Provenance p = provenance();
+  Timing timing;
+  timing.engine = "a";
+  timing.variant = "v";
+  timing.steps = 240;
+  timing.outcome = "ok";
+  timing.validity = k_flag;
+  const std::string report = markdown_report({all, {&timing, 1}, &p});
+  std::string missing;
+  for (const std::string part :
+       {std::string("3 of 4 cells ran to their end; 1 of them are flagged (!)"),
+        std::string("| 1 ! |"), std::string("- ! a/v: ") + k_flag,
+        std::string("| no: ") + k_flag + " |"}) {
+    if (report.find(part) == std::string::npos) missing += part + '\n';
+  }
+  EXPECT_EQ(missing, "") << report;
+  EXPECT_EQ(report.find("**1"), std::string::npos) << "a flagged number is best";
+}
+
 TEST(Losses, ComeOnlyWhereAnotherIsBetter) {
   const std::vector<std::string> own = {"ours"};
   const LossTable table = losses(summarize(rows()), own);

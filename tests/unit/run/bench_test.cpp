@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/run/fakes.hpp"
+#include "tests/support/dubious_engine.hpp"
 
 namespace brickbench::testing {
 namespace {
@@ -31,8 +31,7 @@ struct Benched {
   std::vector<std::string> order;  // engines as they were run
 };
 
-Benched bench_text(const std::string& text) {
-  const Catalogues catalogues = fake_catalogues();
+Benched bench_text(const std::string& text, const Catalogues& catalogues = fake_catalogues()) {
   const auto plan = parse_plan(text, "p.toml", catalogues);
   EXPECT_TRUE(plan.has_value()) << plan.error().text();
   const auto cells = expand(*plan, catalogues);
@@ -68,6 +67,30 @@ TEST(Bench, OnlyWhatRanBesideTheBaseHasARatio) {
       "one failer/plain crashed", "one good/plain ok base cost ratio",
       "one good/fancy ok cost ratio", "one nan/plain diverged", "two good/fancy ok cost"};
   EXPECT_EQ(told, expected);
+}
+
+TEST(Bench, TheTimeOfAFlaggedRunIsToldAndNotCompared) {
+  const std::string plan = R"(
+title = "t"
+[bench]
+base = "BASE"
+repeat = 2
+[[experiment]]
+scenario = "fall"
+engines = ["good", "good/fancy", "unsolved", "clamped"]
+step_s = 0.01
+)";
+  for (const std::string base : {"good", "unsolved"}) {
+    std::string text = plan;
+    const BenchResult result =
+        bench_text(text.replace(text.find("BASE"), 4, base), dubious_catalogues()).result;
+    for (const BenchEntry& entry : result.entries) {
+      const std::string& engine = entry.cell.engine.engine;
+      EXPECT_TRUE(entry.cost.has_value());
+      EXPECT_EQ(entry.ratio.has_value(), engine == "good" && base == "good") << engine;
+      EXPECT_EQ(entry.validity, engine == "good" ? "" : engine + " in 3 of 10 steps from step 4");
+    }
+  }
 }
 
 TEST(Bench, TheBaseIsExactlyItselfAndRowsComeOnce) {

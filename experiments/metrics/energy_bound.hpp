@@ -1,0 +1,56 @@
+// Whether a run has more energy than anything could have given it: docs/metrics.md, section
+// blown up.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/metrics/compensated_sum.hpp"
+#include "experiments/metrics/metric.hpp"
+
+namespace brickbench {
+
+// Contact, friction and impact only take energy, so that of the bodies that move obeys
+//   X = T + U - T(0) - U(0) - W <= 0,   U = -sum m g.x,   W the work of the outer wrenches.
+// A sound engine misses this by its scheme's error, which is a share of the energy in play:
+//   S = T(0) + |W| + F + M |g| L + M (d / h)^2 / 2
+// with |W| the outer work without signs, F the largest sum of m g.(x - x(0)) over the bodies that
+// fell, M the mass that moves, L the smallest edge of a brick, and d the deepest overlap of the
+// initial states, which an engine may remove within one step h by a velocity of d / h.
+// The run has blown up at the first step with X > k_blown_up_share S.
+class EnergyBound {
+ public:
+  struct Excess {
+    std::size_t body = 0;  // that gained most since the start
+    double excess_j = 0.0;
+    double bound_j = 0.0;
+  };
+
+  EnergyBound(const Scene& scene, double step_s);
+  // Called for step 0 and after every step, with finite states.
+  std::optional<Excess> observe(const Sample& sample);
+
+ private:
+  double energy_j(std::size_t body, const State& state) const;
+  void begin(std::span<const State> states);
+  void add_work(const Sample& sample);
+
+  World world_;
+  double step_s_;
+  double lift_m_;
+  double mass_kg_ = 0.0;  // that moves
+  std::vector<State> start_;
+  std::vector<State> before_;
+  std::vector<double> start_j_;  // (bodies) kinetic and potential
+  double fixed_scale_j_ = 0.0;   // the terms of S that do not change
+  CompensatedSum work_j_;
+  double absolute_work_j_ = 0.0;
+  double fallen_j_ = 0.0;
+};
+
+// An excess of as much as was in play is a doubling of all energy. The worst of the sound runs that
+// were looked at (docs/metrics.md) has a tenth of it; this leaves three doublings' room.
+inline constexpr double k_blown_up_share = 3.0;
+
+}  // namespace brickbench
