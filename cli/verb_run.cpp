@@ -76,6 +76,7 @@ void print_json(const std::filesystem::path& folder, const Plan& plan, const Run
                      {"axes", cell.cell.axes},
                      {"outcome", cell.outcome},
                      {"reason", cell.reason},
+                     {"validity", cell.validity},
                      {"failed", is_failure(cell)}});
   }
   const nlohmann::ordered_json json = {
@@ -97,7 +98,7 @@ Table cost_table(const RunResult& result) {
                           {short_number(1e3 * timing.step_median_cpu_s)},
                           {short_number(1e3 * timing.step_max_cpu_s)},
                           {short_number(timing.steps_total_cpu_s)},
-                          {timing.outcome}});
+                          {timing.outcome + (timing.validity.empty() ? "" : " !")}});
   }
   return table;
 }
@@ -112,14 +113,20 @@ void print_tables(const std::filesystem::path& folder, const RunResult& result) 
   }
   fmt::print("{}\n", to_terminal(cost_table(result), style));
   std::size_t ran = 0;
+  std::size_t flagged = 0;
   for (const CellOutcome& cell : result.cells) {
+    if (!cell.validity.empty()) {
+      ++flagged;
+      fmt::print("! {}: {}\n", cell_label(cell.cell), cell.validity);
+    }
     if (cell.outcome == "ok")
       ++ran;
     else
       fmt::print("{}: {}: {}\n", cell_label(cell.cell), cell.outcome, cell.reason);
   }
-  fmt::print("{} of {} cells ran to their end.\nResults: {}\n", ran, result.cells.size(),
-             folder.string());
+  fmt::print("{} of {} cells ran to their end", ran, result.cells.size());
+  if (flagged > 0) fmt::print("; {} of them are flagged (!) and not ranked", flagged);
+  fmt::print(".\nResults: {}\n", folder.string());
 }
 
 int run(const RunOptions& options, const Invocation& invocation) {

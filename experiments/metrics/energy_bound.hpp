@@ -49,8 +49,8 @@ class EnergyBound {
   double fallen_j_ = 0.0;
 };
 
-// An excess of as much as was in play is a doubling of all energy. The worst of the sound runs that
-// were looked at (docs/metrics.md) has a tenth of it; this leaves three doublings' room.
+// X = S means that as much again as was in play came from nowhere. Schemes of first order, soft
+// contact and pushed overlaps are wrong by a share of S; three times S is no error of a scheme.
 inline constexpr double k_blown_up_share = 3.0;
 
 }  // namespace brickbench

@@ -140,7 +140,7 @@ TEST(Validity, TheReportCountsNamesAndExplainsTheFlags) {
   timing.validity = k_flag;
   const std::string report = markdown_report({all, {&timing, 1}, &p});
   std::string missing;
-  for (const std::string part :
+  for (const std::string& part :
        {std::string("3 of 4 cells ran to their end; 1 of them are flagged (!)"),
         std::string("| 1 ! |"), std::string("- ! a/v: ") + k_flag,
         std::string("| no: ") + k_flag + " |"}) {
