@@ -235,6 +235,8 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     Point point;
     point.lever_a = lever_a.cast<float>();
     point.lever_b = lever_b.cast<float>();
+    point.on_a = lever_a.cross(normal);
+    point.on_b = lever_b.cross(normal);
     point.gap_m = point.gap_now_m = static_cast<float>(gap_m);
     point.impulse_ns = memory.impulse_ns[p];
     point.view = {memory.body_a, memory.body_b, a.position_m + lever_a,
@@ -242,6 +244,7 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     const double speed = normal.dot(b.velocity_mps + b.angular_velocity_radps.cross(lever_b) -
                                     a.velocity_mps - a.angular_velocity_radps.cross(lever_a));
     if (speed < -soft_.resting_approach_mps) {
+      point.approach_mps = -speed;
       point.bounce_mps = static_cast<float>(-law.restitution * speed);
     }
     row.points.push_back(point);
