@@ -87,8 +87,10 @@ struct CompliantContact {
 // that; the others do not approach. A manifold that bounced keeps no impulses. A body that was
 // pushed turns as in free flight from its mean spin. An island of bodies that pushed each other,
 // with more kinetic energy than it had and gravity and loads added, loses of the motion against
-// itself (against what is fixed, if that is in it) by one factor what is too much. A body that no
-// contact pushed during the step flies freely instead.
+// itself (against what is fixed, if that is in it) by one factor what is too much. Neither law nor
+// limit is looked at where no pushed body is, or was, faster than gravity makes it in a sub-step,
+// and where nothing bounces the law is that of the struck manifolds alone. A body that no contact
+// pushed during the step flies freely instead.
 struct SoftContact {
   int substeps = 1;
   double frequency_hz = 0.0;  // of the spring; at most one radian per sub-step

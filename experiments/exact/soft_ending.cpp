@@ -15,7 +15,9 @@ using Eigen::Vector3d;
 
 // A row is solved for itself in so many rounds at most.
 constexpr int k_row_rounds = 64;
-constexpr double k_row_share = 0.1;  // of what is enough between rows
+// Of what is enough between rows, and of what the first round changed: enough within one.
+constexpr double k_row_share = 0.1;
+constexpr double k_round_share = 0.01;
 
 Matrix3d world_inertia(const Body& body, const State& state) {
   const Matrix3d r = state.orientation.toRotationMatrix();
@@ -100,6 +102,7 @@ double SoftMap::settle_row(Row& row, double enough_mps, std::span<const State> s
   const auto response = [&](std::size_t p, std::size_t q) {
     return mass_a + mass_b + points[p]->on_a.dot(turn_a[q]) + points[p]->on_b.dot(turn_b[q]);
   };
+  double stop_mps = k_row_share * enough_mps;
   for (int round = 0; round < k_row_rounds; ++round) {
     double largest_mps = 0.0;
     for (std::size_t p = 0; p < n; ++p) {
@@ -112,7 +115,8 @@ double SoftMap::settle_row(Row& row, double enough_mps, std::span<const State> s
       for (std::size_t q = 0; q < n; ++q) now[q] += response(q, p) * step_ns;
       largest_mps = std::max(largest_mps, std::abs(step_ns) * response(p, p));
     }
-    if (largest_mps <= k_row_share * enough_mps) break;
+    if (round == 0) stop_mps = std::max(stop_mps, k_round_share * largest_mps);
+    if (largest_mps <= stop_mps) break;
   }
   double sum_ns = 0.0, changed_mps = 0.0;
   for (std::size_t p = 0; p < n; ++p) {
@@ -127,12 +131,20 @@ double SoftMap::settle_row(Row& row, double enough_mps, std::span<const State> s
 }
 
 // Newton's law of restitution as one problem of all contacts (Moreau 1988), by sweeps to and fro
-// over the manifolds; those whose bodies no longer move are left out.
+// over the manifolds; those whose bodies no longer move are left out. Where no pair that was struck
+// bounces, of the struck manifolds alone.
 void SoftMap::bounce(const Islands& islands, std::span<const State> states,
                      std::vector<Motion>& motions) {
   std::vector<Row*> rows;
   double fastest_mps = 0.0;
+  bool bounces = false;
+  for (const Row& row : rows_) {
+    const bool struck = std::ranges::any_of(row.points, &Point::struck);
+    bounces =
+        bounces || (struck && contact_law(run_.world, row.a.body, row.b.body).restitution > 0.0);
+  }
   for (Row* row : in_order_of_pairs()) {
+    if (!bounces && std::ranges::none_of(row->points, &Point::struck)) continue;
     if (!islands.struck[islands.of[row->a.fixed ? row->b.body : row->a.body]]) continue;
     if (std::ranges::none_of(row->points, &Point::pushed)) continue;
     rows.push_back(row);
@@ -158,9 +170,9 @@ void SoftMap::bounce(const Islands& islands, std::span<const State> states,
 }
 
 // A manifold that bounced is open: nothing of its impulses goes on.
-void SoftMap::remember_impulses() {
+void SoftMap::remember_impulses(bool quiet) {
   for (Row& row : rows_) {
-    const bool open = std::ranges::any_of(row.points, &Point::bounced);
+    const bool open = !quiet && std::ranges::any_of(row.points, &Point::bounced);
     for (std::size_t p = 0; p < row.points.size(); ++p) {
       row.points[p].total_ns += static_cast<float>(row.points[p].rebound_ns);
       row.memory->impulse_ns[p] = open ? 0.0F : row.points[p].impulse_ns;
@@ -263,6 +275,22 @@ bool SoftMap::limit_energy(const Islands& islands, std::span<const Wrench> wrenc
   return held;
 }
 
+// Whether nothing that was pushed is, or was, faster than gravity makes it in a sub-step.
+bool SoftMap::is_quiet(const Islands& islands, std::span<const Wrench> wrenches,
+                       std::span<const State> states) const {
+  const double slow_mps = run_.world.gravity_mps2.norm() * run_.step_s / soft_.substeps;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!islands.touched[i] || run_.world.bodies[i].fixed) continue;
+    const double radius_m = bounding_radius_m(run_.world.bodies[i].shape);
+    const double speed_mps = velocity_[i].linear.cast<double>().norm() +
+                             velocity_[i].angular.cast<double>().norm() * radius_m;
+    if (speed_mps > slow_mps || reach_m(i, states[i], wrenches[i]) > run_.step_s * slow_mps) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool SoftMap::turns_far(const Islands& islands) const {
   for (std::size_t i = 0; i < moved_.size(); ++i) {
     if (islands.touched[i] && moved_[i].angular.norm() > soft_.turn_limit_rad) return true;
@@ -279,8 +307,9 @@ bool SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) 
     if (run_.world.bodies[i].fixed) continue;
     motions[i] = {velocity_[i].linear.cast<double>(), velocity_[i].angular.cast<double>()};
   }
-  bounce(found, states, motions);
-  remember_impulses();
+  const bool quiet = is_quiet(found, wrenches, states);
+  if (!quiet) bounce(found, states, motions);
+  remember_impulses(quiet);
   const std::vector<State> starts(states.begin(), states.end());
   for (std::size_t i = 0; i < states.size(); ++i) {
     const Body& body = run_.world.bodies[i];
@@ -289,7 +318,7 @@ bool SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) 
                                  : next_free_state(scheme_, body, starts[i], wrenches[i],
                                                    run_.world.gravity_mps2, run_.step_s);
   }
-  return limit_energy(found, wrenches, starts, states);
+  return quiet || limit_energy(found, wrenches, starts, states);
 }
 
 }  // namespace brickbench::exact

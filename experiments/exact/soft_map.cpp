@@ -340,11 +340,11 @@ void SoftMap::run_substeps(std::span<const Wrench> wrenches, std::span<const Sta
 
 // A step is done again with twice the sweeps per sub-step where known contacts end too deep.
 bool SoftMap::advance(std::span<const Wrench> wrenches, std::span<State> states, std::string& why) {
-  if (!remember(states, why)) return false;
+  if (!remember(wrenches, states, why)) return false;
   sweeps_ = 1;
   bool settled = false;
   for (int trial = 0; trial < soft_.most_trials; ++trial) {
-    make_rows(states);
+    make_rows(wrenches, states);
     run_substeps(wrenches, states);
     settled = !leaves_too_deep();
     if (settled || sweeps_ == soft_.most_sweeps) break;

@@ -19,6 +19,9 @@ namespace brickbench::exact {
 // Empty where a pair is not listed: a second body must be a ball, or a box on a box or a plane.
 ContactGeometry all_pairs(const World& world);
 
+// Of the smallest ball about the body's centre that holds it, m; infinite for a plane.
+double bounding_radius_m(const Shape& shape);
+
 // A run of the map. The contacts of a step start from the impulses of the last one, so it has a
 // memory, unlike the maps of scheme_map.hpp. The scheme, which states a soft contact, must outlive
 // it.
@@ -112,14 +115,14 @@ class SoftMap {
   using Points = std::span<const TouchingPoint>;  // of one pair
 
   // soft_memory.cpp: which contacts the step has.
-  double reach_m(std::size_t body, const State& state) const;
+  double reach_m(std::size_t body, const State& state, const Wrench& wrench) const;
   double thinner_m(std::size_t body_a, std::size_t body_b) const;
   bool still_holds(const Memory& memory, double margin_m, std::span<const State> states) const;
   Memory found(Points points, double reach_m, std::span<const State> states) const;
   void inherit(const Memory& old, Memory& next) const;
-  bool remember(std::span<const State> states, std::string& why);
+  bool remember(std::span<const Wrench> wrenches, std::span<const State> states, std::string& why);
   bool fill_points(Row& row, std::span<const State> states) const;
-  void make_rows(std::span<const State> states);
+  void make_rows(std::span<const Wrench> wrenches, std::span<const State> states);
 
   // soft_map.cpp: what they do.
   Side side(std::size_t body, const State& state) const;
@@ -149,7 +152,9 @@ class SoftMap {
   double settle_row(Row& row, double enough_mps, std::span<const State> states,
                     std::vector<Motion>& motions) const;
   void bounce(const Islands& islands, std::span<const State> states, std::vector<Motion>& motions);
-  void remember_impulses();
+  bool is_quiet(const Islands& islands, std::span<const Wrench> wrenches,
+                std::span<const State> states) const;
+  void remember_impulses(bool quiet);
   State end_of(std::size_t body, const State& state, const Motion& motion) const;
   bool limit_energy(const Islands& islands, std::span<const Wrench> wrenches,
                     std::span<const State> starts, std::span<State> ends) const;

@@ -28,15 +28,27 @@ int FastDynamics::island_of(int body) {
   return body;
 }
 
+// Whether nothing that was pushed is, or was, faster than gravity makes it in a sub-step: then
+// there was no hit, and any energy is less than that of the springs at rest.
+bool FastDynamics::is_quiet() const {
+  const double slow_mps = options_.gravity_mps2.norm() * step_s_ / options_.substeps;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (touched_[i] == 0 || bodies_[i].fixed) continue;
+    if (poses_[i].reach_m > step_s_ * slow_mps) return false;
+    const double speed_mps =
+        linear_part(velocity_[i]).norm() + angular_part(velocity_[i]).norm() * radius_m_[i];
+    if (speed_mps > slow_mps) return false;
+  }
+  return true;
+}
+
 // Bodies that pushed each other are of one island, whose root is its first body.
 void FastDynamics::join_islands() {
   island_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) island_[i] = static_cast<int>(i);
   grounded_.assign(bodies_.size(), 0);
-  deepest_m_ = 0.0;
   for (const Slot& slot : slots_) {
     if (!slot.pushed) continue;
-    deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
     const SoftManifold& manifold = solved_manifold(at(slot.manifold));
     const bool a_fixed = bodies_[at(manifold.body_a)].fixed;
     if (a_fixed || bodies_[at(manifold.body_b)].fixed) {
@@ -101,6 +113,10 @@ ReboundRow FastDynamics::rebound_row(const Slot& slot) const {
 // The fastest approach at the step's start of the points that were struck, m/s; 0 if none was.
 double FastDynamics::fastest_approach_mps(const Slot& slot) const {
   const SoftManifold& manifold = solved_manifold(at(slot.manifold));
+  if (poses_[at(manifold.body_a)].reach_m + poses_[at(manifold.body_b)].reach_m <=
+      step_s_ * options_.resting_approach_mps) {
+    return 0.0;
+  }
   const SoftBatch& batch = batches_[at(slot.batch)];
   double fastest_mps = 0.0;
   for (std::size_t p = 0; p < at(manifold.count); ++p) {
@@ -115,26 +131,35 @@ double FastDynamics::fastest_approach_mps(const Slot& slot) const {
 }
 
 // Newton's law: struck points leave with their share of the approach, and may give back what they
-// got too much of; the others do not approach. Where that changes what the sub-steps left, it is a
-// problem of all contacts of the islands that were struck; else of the struck ones alone.
+// got too much of; the others do not approach. Where something bounces that is a problem of all
+// contacts of the islands that were struck; else the sub-steps have solved it but for the last
+// blows, and it is one of the struck contacts.
 void FastDynamics::rebound() {
   rebound_left_mps_ = 0.0;
-  std::vector<const Slot*> first, all;
+  std::vector<const Slot*> struck_slots, all;
   std::vector<char> struck_island(bodies_.size(), 0);
   const auto root = [&](const Slot& slot) {
     const SoftManifold& m = solved_manifold(at(slot.manifold));
     return at(island_[at(bodies_[at(m.body_a)].fixed ? m.body_b : m.body_a)]);
   };
   double fastest_mps = 0.0;
+  bool bounce = false;
   for (const Slot& slot : slots_) {
     const double approach_mps = slot.pushed ? fastest_approach_mps(slot) : 0.0;
     if (approach_mps == 0.0) continue;
+    const SoftManifold& m = solved_manifold(at(slot.manifold));
+    bounce = bounce ||
+             laws_(bodies_[at(m.body_a)].surface, bodies_[at(m.body_b)].surface).restitution > 0.0;
     fastest_mps = std::max(fastest_mps, approach_mps);
     struck_island[root(slot)] = 1;
-    first.push_back(&slot);
+    struck_slots.push_back(&slot);
   }
-  if (first.empty()) return;
+  if (struck_slots.empty()) return;
   const double enough_mps = k_rebound_share * fastest_mps;
+  if (!bounce) {
+    rebound_left_mps_ = settle_rows(struck_slots, enough_mps);
+    return;
+  }
   for (const Slot& slot : slots_) {
     if (slot.pushed && struck_island[root(slot)] != 0) all.push_back(&slot);
   }

@@ -133,6 +133,11 @@ bool FastDynamics::turns_far() const {
 // Newton's law, and no energy that was not there, for what the last trial found. Whether the energy
 // could be held.
 bool FastDynamics::close() {
+  rebound_left_mps_ = 0.0;
+  energy_taken_j_ = 0.0;
+  deepest_m_ = 0.0;
+  for (const Slot& slot : slots_) deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
+  if (is_quiet()) return true;
   join_islands();
   rebound();
   return limit_energies();
@@ -179,11 +184,13 @@ void FastDynamics::pose_bodies() {
                      0.0F};
       spin_radps_[i] =
           r * inverse.cwiseProduct(r.transpose() * motions_[i].angular_momentum_kgm2ps);
+      double speed_mps = motions_[i].velocity_mps.norm();
+      double spin_radps = spin_radps_[i].norm();
       // What loads add counts, what gravity adds does not: it adds the same to all.
-      const double speed_mps =
-          motions_[i].velocity_mps.norm() + step_s_ * loads_[i].force_n.norm() / bodies_[i].mass_kg;
-      const double spin_radps =
-          spin_radps_[i].norm() + step_s_ * loads_[i].torque_nm.norm() * inverse.maxCoeff();
+      if (!loads_[i].force_n.isZero(0.0) || !loads_[i].torque_nm.isZero(0.0)) {
+        speed_mps += step_s_ * loads_[i].force_n.norm() / bodies_[i].mass_kg;
+        spin_radps += step_s_ * loads_[i].torque_nm.norm() * inverse.maxCoeff();
+      }
       poses_[i] = {r, step_s_ * (speed_mps + spin_radps * radius_m_[i])};
     }
   });

@@ -158,6 +158,7 @@ class FastDynamics {
   Eigen::Vector3d momentum_of(std::size_t body, const Eigen::Vector3d& spin_radps) const;
   bool find_far();
   Look look_ahead();
+  bool is_quiet() const;
   void join_islands();
   int island_of(int body);
   void rebound();

@@ -173,13 +173,13 @@ Eigen::Quaterniond FastDynamics::turned_freely(std::size_t i,
   const Eigen::Quaterniond& start = motions_[i].attitude;
   if (turn_rad.squaredNorm() < k_no_turn_rad * k_no_turn_rad) return turned(start, turn_rad);
   const Eigen::Vector3d& inertia = bodies_[i].inertia_kgm2;
-  const Eigen::Vector3d momentum = momentum_of(i, turn_rad);
   if (turn_rad.squaredNorm() > FastLimits::k_small_turn_rad * FastLimits::k_small_turn_rad) {
-    return rotate_moser_veselov(start, inertia, momentum / step_s_, step_s_);
+    return rotate_moser_veselov(start, inertia, momentum_of(i, turn_rad / step_s_), step_s_);
   }
   const Eigen::Matrix3d& r = poses_[i].axes;
-  const Eigen::Vector3d moment = r.transpose() * momentum.cross(turn_rad);
-  return turned(start, turn_rad + 0.5 * (r * moment.cwiseQuotient(inertia)));
+  const Eigen::Vector3d turn = r.transpose() * turn_rad;
+  const Eigen::Vector3d bend = inertia.cwiseProduct(turn).cross(turn).cwiseQuotient(inertia);
+  return turned(start, r * (turn + 0.5 * bend));
 }
 
 Motion FastDynamics::end_of(std::size_t i) const {

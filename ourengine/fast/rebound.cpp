@@ -10,7 +10,9 @@ namespace ourengine {
 namespace {
 
 constexpr int k_row_rounds = 64;
-constexpr double k_row_share = 0.1;  // of what is enough between rows
+// Of what is enough between rows, and of what the first round changed: enough within one.
+constexpr double k_row_share = 0.1;
+constexpr double k_round_share = 0.01;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -48,10 +50,8 @@ double settle_row(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
   const Row4 before = surplus_mps(row, a, b);
   Row4 now = before;
   Row4 change{};
-  std::array<Row4, ReboundRow::k_points> matrix;
-  for (std::size_t p = 0; p < row.count; ++p) {
-    for (std::size_t q = 0; q < row.count; ++q) matrix[p][q] = response(row, p, q);
-  }
+  const auto& matrix = row.response;
+  double stop_mps = k_row_share * enough_mps;
   for (int round = 0; round < k_row_rounds; ++round) {
     double largest_mps = 0.0;
     for (std::size_t p = 0; p < row.count; ++p) {
@@ -62,7 +62,8 @@ double settle_row(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
       for (std::size_t q = 0; q < row.count; ++q) now[q] += matrix[q][p] * step_ns;
       largest_mps = std::max(largest_mps, std::abs(step_ns) * matrix[p][p]);
     }
-    if (largest_mps <= k_row_share * enough_mps) break;
+    if (round == 0) stop_mps = std::max(stop_mps, k_round_share * largest_mps);
+    if (largest_mps <= stop_mps) break;
   }
   push(row, change, a, b);
   double changed_mps = 0.0;
@@ -109,6 +110,11 @@ double kinetic_j(const GroupMember& m, const Twist& velocity) {
 }  // namespace
 
 double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity) {
+  for (ReboundRow& row : rows) {
+    for (std::size_t p = 0; p < row.count; ++p) {
+      for (std::size_t q = 0; q < row.count; ++q) row.response[p][q] = response(row, p, q);
+    }
+  }
   std::vector<int> changed_in(velocity.size(), 0);  // the last sweep that moved the body
   double changed_mps = 0.0;
   for (int sweep = 1; sweep <= k_rebound_sweeps; ++sweep) {

@@ -29,8 +29,9 @@ struct ReboundRow {
   std::array<Eigen::Vector3d, k_points> arm_a, arm_b;    // lever x normal
   std::array<Eigen::Vector3d, k_points> turn_a, turn_b;  // what an impulse of 1 N s adds to a spin
   std::array<double, k_points> target_mps{};
-  std::array<double, k_points> least_ns{};    // <= 0: what the point can give back
-  std::array<double, k_points> impulse_ns{};  // result
+  std::array<double, k_points> least_ns{};  // <= 0: what the point can give back
+  std::array<std::array<double, k_points>, k_points> response{};  // set by settle_rebound()
+  std::array<double, k_points> impulse_ns{};                      // result
 };
 
 // Finds impulses r >= least and velocities u of separation with u >= target and
@@ -40,8 +41,8 @@ struct ReboundRow {
 // velocity: (bodies); fixed bodies stay.
 // Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988
 // (Newton's law as a complementarity problem of all contacts).
-inline constexpr double k_rebound_share = 1e-6;  // of the fastest approach: enough
-inline constexpr int k_rebound_sweeps = 64;
+inline constexpr double k_rebound_share = 1e-5;  // of the fastest approach: enough
+inline constexpr int k_rebound_sweeps = 32;
 double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity);
 
 // A body of a group whose contacts join them, at the end of the step.

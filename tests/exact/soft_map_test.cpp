@@ -57,8 +57,8 @@ Scheme soft_scheme() {
                             .too_deep_share = 0.5,
                             .most_trials = 8,
                             .most_sweeps = 8,
-                            .rebound_share = 1e-6,
-                            .rebound_sweeps = 64,
+                            .rebound_share = 1e-5,
+                            .rebound_sweeps = 32,
                             .small_turn_rad = 1e-3,
                             .turn_limit_rad = 0.5,
                             .energy_share = 1e-6};

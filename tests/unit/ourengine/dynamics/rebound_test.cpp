@@ -57,7 +57,7 @@ TEST(Rebound, SolvesACradleAsOneProblem) {
   Chain chain = chain_of({1, 1, 1}, {1.0 / 3, 1.0 / 3, 1.0 / 3});
   chain.rows[0].target_mps[0] = 1.0;
   chain.rows[0].least_ns[0] = -2.0 / 3;
-  EXPECT_LT(settle_rebound(chain.rows, chain.velocity), 1e-6);
+  EXPECT_LT(settle_rebound(chain.rows, 1e-7, chain.velocity), 1e-6);
   Worst worst;
   worst.see(chain.velocity[0].linear.z() + 1.0 / 3, "first");
   worst.see(chain.velocity[1].linear.z() - 2.0 / 3, "second");
@@ -91,7 +91,7 @@ TEST(Rebound, IsComplementary) {
       largest_mps = std::max(largest_mps, row.target_mps[0]);
     }
     if (largest_mps == 0.0) continue;
-    settle_rebound(chain.rows, chain.velocity);
+    settle_rebound(chain.rows, 1e-7, chain.velocity);
     for (std::size_t k = 0; k < chain.rows.size(); ++k) {
       const ReboundRow& row = chain.rows[k];
       const double beyond_mps = separation_mps(chain, k) - row.target_mps[0];
