@@ -114,7 +114,7 @@ std::vector<AuditFact> asked_of_ourengine(const World&, const Settings& settings
     facts.push_back(number_fact("threads", "1", settings.threads));
   }
   if (settings.variant == "fast") {
-    facts.push_back(number_fact("substeps", "1", fast_substeps(settings)));
+    facts.push_back(number_fact("substeps", "1", fast_contact(settings).substeps));
     facts.push_back(number_fact("threads", "1", settings.threads));
   }
   return facts;
@@ -173,22 +173,12 @@ std::optional<Scheme> velocity_scheme(const Settings& settings) {
 
 // As ourengine/fast/fast_dynamics.hpp, soft_batch.hpp and manifold_set.hpp state it.
 Scheme fast_scheme(const Settings& settings) {
-  const auto value = [&](std::string_view name) {
-    return knob_value(k_fast_knobs, settings, name);
-  };
   Scheme scheme;
   scheme.source = "Catto, Solver2D 2024; Macklin et al., Small Steps, 2019; ourengine/fast";
   scheme.position = PositionRule::mean_velocity;  // of bodies that nothing touches
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::moser_veselov;
-  scheme.soft = SoftContact{.substeps = fast_substeps(settings),
-                            .frequency_hz = value("contact_frequency_hz"),
-                            .damping_ratio = value("damping_ratio"),
-                            .push_limit_mps = value("push_limit_mps"),
-                            .margin_m = value("margin_m"),
-                            .resting_approach_mps = value("resting_approach_mps"),
-                            .keep_share = 1e-3,
-                            .same_point_share = 0.1};
+  scheme.soft = fast_contact(settings);
   return scheme;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "adapters/seam/knob_table.hpp"
+#include "adapters/seam/scheme.hpp"
 
 namespace brickbench {
 
@@ -82,8 +83,8 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
 Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
                                                            const Settings& settings);
 
-// Equal parts into which `fast` cuts its step.
-int fast_substeps(const Settings& settings);
+// The contact of `fast` as its engine's own constants and the knobs state it.
+SoftContact fast_contact(const Settings& settings);
 
 // Fault::unsupported where bodies that may meet have friction and `ignore_friction` is not turned:
 // for the laws that have none.

@@ -94,11 +94,17 @@ std::vector<Diagnostic> diagnostics_of(const engine::StepReport& report) {
 }
 
 std::vector<Diagnostic> diagnostics_of(const engine::FastReport& report) {
-  return {
-      {"contacts", "1", double(report.contacts)},  {"manifolds", "1", double(report.manifolds)},
-      {"colours", "1", double(report.colours)},    {"manifolds_made", "1", double(report.remade)},
-      {"passes", "1", double(report.passes)},      {"overlap_left_m", "m", report.overlap_left_m},
-      {"ran_out", "1", report.ran_out ? 1.0 : 0.0}};
+  return {{"contacts", "1", double(report.contacts)},
+          {"manifolds", "1", double(report.manifolds)},
+          {"colours", "1", double(report.colours)},
+          {"manifolds_made", "1", double(report.remade)},
+          {"passes", "1", double(report.passes)},
+          {"parts", "1", double(report.parts)},
+          {"overlap_left_m", "m", report.overlap_left_m},
+          {"deepest_m", "m", report.deepest_m},
+          {"rebound_left_mps", "m/s", report.rebound_left_mps},
+          {"energy_taken_j", "J", report.energy_taken_j},
+          {"ran_out", "1", report.ran_out ? 1.0 : 0.0}};
 }
 
 Flags flags_of(const engine::StepReport& report) {
@@ -286,6 +292,23 @@ engine::DynamicsOptions exact_options(const World& world, const Settings& settin
   return options;
 }
 
+engine::FastOptions fast_options(const Settings& settings) {
+  const auto value = [&](std::string_view name) {
+    return knob_value(k_fast_knobs, settings, name);
+  };
+  engine::FastOptions options;
+  options.step_s = settings.step_s;
+  // The quotient of two roundings may land a hair above a whole number.
+  options.substeps =
+      std::max(1, static_cast<int>(std::ceil(settings.step_s / value("substep_s") - 1e-9)));
+  options.margin_m = value("margin_m");
+  options.contact_hz = value("contact_frequency_hz");
+  options.damping_ratio = value("damping_ratio");
+  options.push_limit_mps = value("push_limit_mps");
+  options.resting_approach_mps = value("resting_approach_mps");
+  return options;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Simulation>> build_ourengine_exact(const World& world,
@@ -305,26 +328,31 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
   return simulate<engine::Dynamics>(world, options);
 }
 
-int fast_substeps(const Settings& settings) {
-  const double longest_s = knob_value(k_fast_knobs, settings, "substep_s");
-  // The quotient of two roundings may land a hair above a whole number.
-  return std::max(1, static_cast<int>(std::ceil(settings.step_s / longest_s - 1e-9)));
+SoftContact fast_contact(const Settings& settings) {
+  using engine::FastLimits;
+  const engine::FastOptions options = fast_options(settings);
+  return {.substeps = options.substeps,
+          .frequency_hz = options.contact_hz,
+          .damping_ratio = options.damping_ratio,
+          .push_limit_mps = options.push_limit_mps,
+          .margin_m = options.margin_m,
+          .resting_approach_mps = options.resting_approach_mps,
+          .keep_share = engine::ManifoldSet::k_recycle_share,
+          .same_point_share = engine::ManifoldSet::k_same_point,
+          .too_deep_share = FastLimits::k_look_tolerance,
+          .most_trials = FastLimits::k_trials,
+          .most_sweeps = FastLimits::k_sweeps,
+          .rebound_share = engine::k_rebound_share,
+          .rebound_sweeps = engine::k_rebound_sweeps,
+          .small_turn_rad = FastLimits::k_small_turn_rad,
+          .turn_limit_rad = FastLimits::k_turn_rad,
+          .energy_share = FastLimits::k_energy_share};
 }
 
 Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
                                                            const Settings& settings) {
-  const auto value = [&](std::string_view name) {
-    return knob_value(k_fast_knobs, settings, name);
-  };
-  engine::FastOptions options;
-  options.step_s = settings.step_s;
-  options.substeps = fast_substeps(settings);
+  engine::FastOptions options = fast_options(settings);
   options.gravity_mps2 = world.gravity_mps2;
-  options.margin_m = value("margin_m");
-  options.contact_hz = value("contact_frequency_hz");
-  options.damping_ratio = value("damping_ratio");
-  options.push_limit_mps = value("push_limit_mps");
-  options.resting_approach_mps = value("resting_approach_mps");
   options.threads = settings.threads;
   return simulate<engine::FastDynamics>(world, options);
 }

@@ -82,8 +82,16 @@ struct CompliantContact {
 // Contact as a damped spring within sub-steps, in single precision (Catto 2024): the step is cut
 // into equal parts; in each, impulses carried over act first, then each contact is served once with
 // a push against its overlap before the bodies move, and once without it after. Impulses last from
-// sub-step to sub-step and from step to step. Newton's restitution closes the step. A body that no
-// contact pushed during the step flies freely instead.
+// sub-step to sub-step and from step to step. Then, in double precision, Newton's law of
+// restitution holds for all contacts that pushed at once (Moreau 1988): struck points leave with at
+// least their share of the approach at the step's start and may give back what they got beyond
+// that; the others do not approach. A manifold that bounced keeps no impulses. A body that was
+// pushed turns as in free flight from its mean spin. An island of bodies that pushed each other,
+// with more kinetic energy than it had and gravity and loads added, loses of the motion against
+// itself (against what is fixed, if that is in it) by one factor what is too much. Neither law nor
+// limit is looked at where no pushed body is, or was, faster than gravity makes it in a sub-step,
+// and where nothing bounces the law is that of the struck manifolds alone. A body that no contact
+// pushed during the step flies freely instead.
 struct SoftContact {
   int substeps = 1;
   double frequency_hz = 0.0;  // of the spring; at most one radian per sub-step
@@ -95,6 +103,20 @@ struct SoftContact {
   // share of the thinner one; then it is found anew, with its old impulse if the point is the same.
   double keep_share = 0.0;
   double same_point_share = 0.0;  // of the thinner body
+  // A step is done again with twice the sweeps per sub-step where known contacts end deeper than
+  // they were by more than this share of the margin; so often at most, with so many at most.
+  double too_deep_share = 0.0;
+  int most_trials = 1;
+  int most_sweeps = 1;
+  // Newton's law is solved by sweeps over the manifolds, until none changes a velocity by more than
+  // this share of the fastest approach.
+  double rebound_share = 0.0;
+  int rebound_sweeps = 0;
+  double small_turn_rad = 0.0;  // in a step: taken to second order
+  // A step is cut in halves where a pushed body turns further than this, where sweeps do not
+  // settle, or where more than this share of the energy cannot be taken.
+  double turn_limit_rad = std::numeric_limits<double>::infinity();
+  double energy_share = 0.0;
 };
 
 // Contact in two stages, at the pose of the step's start: points that approach fast are hit one

@@ -15,12 +15,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// A step is done again with twice the sweeps per sub-step where known contacts end deeper than they
-// were by more than this share of the margin; so often at most, with so many at most.
-constexpr double k_too_deep_share = 0.5;
-constexpr int k_most_trials = 8;
-constexpr int k_most_sweeps = 8;
-
 Matrix3d inverse_inertia(const Body& body, const Quaterniond& attitude) {
   const Matrix3d r = attitude.toRotationMatrix();
   return r * body.inertia_kgm2.cwiseInverse().asDiagonal() * r.transpose();
@@ -251,54 +245,6 @@ void SoftMap::count() {
   }
 }
 
-// Newton's law for the points that were struck during the step.
-void SoftMap::bounce() {
-  for (Row& row : rows_) {
-    for (Point& point : row.points) {
-      if (!(point.bounce_mps > 0.0F) || !(point.largest_ns > 0.0F)) continue;
-      const float speed_mps =
-          apart(row, row.normal, velocity_) + turning(row, point.arm, velocity_);
-      const float next_ns =
-          std::max(point.impulse_ns - point.mass * (speed_mps - point.bounce_mps), 0.0F);
-      const float change_ns = next_ns - point.impulse_ns;
-      point.impulse_ns = next_ns;
-      point.total_ns += change_ns;
-      shift(row, row.normal, change_ns, velocity_);
-      turn(row, point.arm, change_ns, velocity_);
-    }
-  }
-}
-
-// Bodies that a contact pushed take what the sub-steps gave; the others fly freely.
-void SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) {
-  std::vector<bool> touched(states.size(), false);
-  for (const Row& row : rows_) {
-    for (std::size_t p = 0; p < row.points.size(); ++p) {
-      row.memory->impulse_ns[p] = row.points[p].impulse_ns;
-      if (row.points[p].largest_ns > 0.0F) touched[row.a.body] = touched[row.b.body] = true;
-    }
-    row.memory->friction_ns =
-        row.friction_ns[0] * row.tangent[0] + row.friction_ns[1] * row.tangent[1];
-    row.memory->twist_ns = row.twist_ns;
-  }
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const Body& body = run_.world.bodies[i];
-    if (body.fixed) continue;
-    State& s = states[i];
-    if (!touched[i]) {
-      s = next_free_state(scheme_, body, s, wrenches[i], run_.world.gravity_mps2, run_.step_s);
-      continue;
-    }
-    const Vector3d spin = velocity_[i].angular.cast<double>();
-    const Vector3d momentum =
-        s.orientation * body.inertia_kgm2.cwiseProduct(s.orientation.conjugate() * spin);
-    s.position_m += moved_[i].linear.cast<double>();
-    s.velocity_mps = velocity_[i].linear.cast<double>();
-    s.orientation = (rotation_of(moved_[i].angular.cast<double>()) * s.orientation).normalized();
-    s.angular_velocity_radps = inverse_inertia(body, s.orientation) * momentum;
-  }
-}
-
 // Whether some known point ends deeper than it was, and than zero, by too much.
 bool SoftMap::leaves_too_deep() const {
   for (const Row& row : rows_) {
@@ -307,7 +253,7 @@ bool SoftMap::leaves_too_deep() const {
       const float end_m =
           point.gap_m + apart(row, row.normal, moved_) + turning(row, point.arm, moved_);
       const double deeper_m = std::min(0.0F, point.gap_m) - end_m;
-      if (deeper_m > k_too_deep_share * soft_.margin_m) return true;
+      if (deeper_m > soft_.too_deep_share * soft_.margin_m) return true;
     }
   }
   return false;
@@ -315,7 +261,7 @@ bool SoftMap::leaves_too_deep() const {
 
 // Whether two boxes end deeper in each other, by as much, than their contacts say.
 bool SoftMap::overlooks(std::span<const State> ends) const {
-  const double tolerance_m = k_too_deep_share * soft_.margin_m;
+  const double tolerance_m = soft_.too_deep_share * soft_.margin_m;
   const auto box = [&](std::size_t i) {
     return std::get_if<BoxShape>(&run_.world.bodies[i].shape);
   };
@@ -392,17 +338,22 @@ void SoftMap::run_substeps(std::span<const Wrench> wrenches, std::span<const Sta
   }
 }
 
+// A step is done again with twice the sweeps per sub-step where known contacts end too deep.
 bool SoftMap::advance(std::span<const Wrench> wrenches, std::span<State> states, std::string& why) {
-  if (!remember(states, why)) return false;
+  if (!remember(wrenches, states, why)) return false;
   sweeps_ = 1;
-  for (int trial = 0; trial < k_most_trials; ++trial) {
-    make_rows(states);
+  bool settled = false;
+  for (int trial = 0; trial < soft_.most_trials; ++trial) {
+    make_rows(wrenches, states);
     run_substeps(wrenches, states);
-    if (!leaves_too_deep()) break;
-    if (trial + 1 < k_most_trials) sweeps_ = std::min(2 * sweeps_, k_most_sweeps);
+    settled = !leaves_too_deep();
+    if (settled || sweeps_ == soft_.most_sweeps) break;
+    sweeps_ = std::min(2 * sweeps_, soft_.most_sweeps);
   }
-  bounce();
-  finish(wrenches, states);
+  if (!settled || turns_far(islands()) || !finish(wrenches, states)) {
+    why = "a step is cut";
+    return false;
+  }
   if (overlooks(states)) {
     why = "a step ends with an overlap that its contacts do not show";
     return false;

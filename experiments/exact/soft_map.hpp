@@ -19,6 +19,9 @@ namespace brickbench::exact {
 // Empty where a pair is not listed: a second body must be a ball, or a box on a box or a plane.
 ContactGeometry all_pairs(const World& world);
 
+// Of the smallest ball about the body's centre that holds it, m; infinite for a plane.
+double bounding_radius_m(const Shape& shape);
+
 // A run of the map. The contacts of a step start from the impulses of the last one, so it has a
 // memory, unlike the maps of scheme_map.hpp. The scheme, which states a soft contact, must outlive
 // it.
@@ -35,7 +38,7 @@ class SoftMap {
   std::vector<Contact> contacts() const;
 
   // How often a sub-step's sweeps were repeated in the last step: twice as often as long as they
-  // leave a known contact too deep, up to 8.
+  // leave a known contact too deep, up to the scheme's limit.
   int sweeps() const { return sweeps_; }
 
  private:
@@ -72,9 +75,16 @@ class SoftMap {
     Arm arm;
     float mass = 0.0F;
     float gap_m = 0.0F, gap_now_m = 0.0F;
-    float impulse_ns = 0.0F, largest_ns = 0.0F, bounce_mps = 0.0F;
-    float total_ns = 0.0F;  // of the step
-    Contact view;           // at the start of the step
+    float impulse_ns = 0.0F, largest_ns = 0.0F;
+    double approach_mps = 0.0;   // at the step's start; 0: too slow to be a hit
+    float bounce_mps = 0.0F;     // what Newton's law makes of it
+    float total_ns = 0.0F;       // of the step
+    Contact view;                // at the start of the step
+    Eigen::Vector3d on_a, on_b;  // lever x normal, in double precision
+    double rebound_ns = 0.0;
+    bool pushed() const { return largest_ns > 0.0F; }
+    bool struck() const { return pushed() && approach_mps > 0.0; }
+    bool bounced() const { return pushed() && bounce_mps > 0.0F; }
   };
   struct Row {
     Memory* memory = nullptr;
@@ -95,17 +105,24 @@ class SoftMap {
   struct Twist {  // linear and angular part
     Vector linear = Vector::Zero(), angular = Vector::Zero();
   };
+  struct Motion {  // the same in double precision, once the sub-steps are done
+    Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
+  };
+  struct Islands {
+    std::vector<std::size_t> of;  // (bodies) the first body of the island
+    std::vector<bool> touched, grounded, struck;
+  };
   using Points = std::span<const TouchingPoint>;  // of one pair
 
   // soft_memory.cpp: which contacts the step has.
-  double reach_m(std::size_t body, const State& state) const;
+  double reach_m(std::size_t body, const State& state, const Wrench& wrench) const;
   double thinner_m(std::size_t body_a, std::size_t body_b) const;
   bool still_holds(const Memory& memory, double margin_m, std::span<const State> states) const;
   Memory found(Points points, double reach_m, std::span<const State> states) const;
   void inherit(const Memory& old, Memory& next) const;
-  bool remember(std::span<const State> states, std::string& why);
+  bool remember(std::span<const Wrench> wrenches, std::span<const State> states, std::string& why);
   bool fill_points(Row& row, std::span<const State> states) const;
-  void make_rows(std::span<const State> states);
+  void make_rows(std::span<const Wrench> wrenches, std::span<const State> states);
 
   // soft_map.cpp: what they do.
   Side side(std::size_t body, const State& state) const;
@@ -126,8 +143,23 @@ class SoftMap {
   void run_substeps(std::span<const Wrench> wrenches, std::span<const State> states);
   bool leaves_too_deep() const;
   bool overlooks(std::span<const State> ends) const;
-  void bounce();
-  void finish(std::span<const Wrench> wrenches, std::span<State> states);
+
+  // soft_ending.cpp: how a step ends once its contacts are settled.
+  Islands islands() const;
+  std::vector<Row*> in_order_of_pairs();
+  Eigen::Vector3d spin_change(std::size_t body, const State& state,
+                              const Eigen::Vector3d& moment_nms) const;
+  double settle_row(Row& row, double enough_mps, std::span<const State> states,
+                    std::vector<Motion>& motions) const;
+  void bounce(const Islands& islands, std::span<const State> states, std::vector<Motion>& motions);
+  bool is_quiet(const Islands& islands, std::span<const Wrench> wrenches,
+                std::span<const State> states) const;
+  void remember_impulses(bool quiet);
+  State end_of(std::size_t body, const State& state, const Motion& motion) const;
+  bool limit_energy(const Islands& islands, std::span<const Wrench> wrenches,
+                    std::span<const State> starts, std::span<State> ends) const;
+  bool turns_far(const Islands& islands) const;
+  bool finish(std::span<const Wrench> wrenches, std::span<State> states);
 
   const Scheme& scheme_;
   const SoftContact& soft_;

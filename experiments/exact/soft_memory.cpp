@@ -21,12 +21,6 @@ double thickness_m(const Shape& shape) {
   return k_infinity;
 }
 
-double bounding_radius_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
-  return k_infinity;
-}
-
 const BoxShape* box_of(const World& world, std::size_t i) {
   return std::get_if<BoxShape>(&world.bodies[i].shape);
 }
@@ -74,6 +68,12 @@ void add_ball(const World& world, std::span<const State> states, PointContact co
 
 }  // namespace
 
+double bounding_radius_m(const Shape& shape) {
+  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
+  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
+  return k_infinity;
+}
+
 ContactGeometry all_pairs(const World& world) {
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
     const bool box = box_of(world, b) != nullptr;
@@ -99,12 +99,16 @@ ContactGeometry all_pairs(const World& world) {
   };
 }
 
-// How far any point of the body can move in this step.
-double SoftMap::reach_m(std::size_t body, const State& state) const {
+// How far any point of the body can move in this step, gravity aside.
+double SoftMap::reach_m(std::size_t body, const State& state, const Wrench& wrench) const {
   const Body& fact = run_.world.bodies[body];
   if (fact.fixed) return 0.0;
-  return run_.step_s * (state.velocity_mps.norm() +
-                        state.angular_velocity_radps.norm() * bounding_radius_m(fact.shape));
+  const double h = run_.step_s;
+  const double speed_mps = state.velocity_mps.norm() + h * wrench.force_n.norm() / fact.mass_kg;
+  const double spin_radps =
+      state.angular_velocity_radps.norm() +
+      h * wrench.torque_nm.norm() * fact.inertia_kgm2.cwiseInverse().maxCoeff();
+  return h * (speed_mps + spin_radps * bounding_radius_m(fact.shape));
 }
 
 double SoftMap::thinner_m(std::size_t body_a, std::size_t body_b) const {
@@ -188,7 +192,8 @@ void SoftMap::inherit(const Memory& old, Memory& next) const {
 }
 
 // Contacts of this step with what they inherit from the last one.
-bool SoftMap::remember(std::span<const State> states, std::string& why) {
+bool SoftMap::remember(std::span<const Wrench> wrenches, std::span<const State> states,
+                       std::string& why) {
   if (!run_.geometry) {
     why = "a box on a ball, or a plane made last, is not listed";
     return false;
@@ -199,7 +204,8 @@ bool SoftMap::remember(std::span<const State> states, std::string& why) {
     const std::size_t body_a = points[begin].body_a, body_b = points[begin].body_b;
     const auto same_pair = [&](const auto& m) { return m.body_a == body_a && m.body_b == body_b; };
     while (end < points.size() && same_pair(points[end])) ++end;
-    const double reach = reach_m(body_a, states[body_a]) + reach_m(body_b, states[body_b]);
+    const double reach = reach_m(body_a, states[body_a], wrenches[body_a]) +
+                         reach_m(body_b, states[body_b], wrenches[body_b]);
     const auto old = std::ranges::find_if(memories_, same_pair);
     const bool known = old != memories_.end();
     if (known && still_holds(*old, soft_.margin_m + reach, states)) {
@@ -235,6 +241,8 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     Point point;
     point.lever_a = lever_a.cast<float>();
     point.lever_b = lever_b.cast<float>();
+    point.on_a = lever_a.cross(normal);
+    point.on_b = lever_b.cross(normal);
     point.gap_m = point.gap_now_m = static_cast<float>(gap_m);
     point.impulse_ns = memory.impulse_ns[p];
     point.view = {memory.body_a, memory.body_b, a.position_m + lever_a,
@@ -242,6 +250,7 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     const double speed = normal.dot(b.velocity_mps + b.angular_velocity_radps.cross(lever_b) -
                                     a.velocity_mps - a.angular_velocity_radps.cross(lever_a));
     if (speed < -soft_.resting_approach_mps) {
+      point.approach_mps = -speed;
       point.bounce_mps = static_cast<float>(-law.restitution * speed);
     }
     row.points.push_back(point);
@@ -250,14 +259,16 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
 }
 
 // One row per manifold that may close within the step, coloured greedily in the order of the pairs.
-void SoftMap::make_rows(std::span<const State> states) {
+void SoftMap::make_rows(std::span<const Wrench> wrenches, std::span<const State> states) {
   rows_.clear();
   std::vector<std::vector<int>> taken(states.size());
   for (Memory& memory : memories_) {
     Row row;
     row.memory = &memory;
-    row.reach_m = reach_m(memory.body_a, states[memory.body_a]) +
-                  reach_m(memory.body_b, states[memory.body_b]);
+    const auto reach = [&](std::size_t body) {
+      return reach_m(body, states[body], wrenches[body]);
+    };
+    row.reach_m = reach(memory.body_a) + reach(memory.body_b);
     if (!fill_points(row, states)) {
       memory.impulse_ns.fill(0.0F);
       memory.friction_ns.setZero();

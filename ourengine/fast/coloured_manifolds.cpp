@@ -59,7 +59,6 @@ void FastDynamics::colour_manifolds() {
   slots_.clear();
   used_.assign(bodies_.size(), 0);
   std::vector<int> sizes;
-  bouncing_ = false;
   report_.contacts = 0;
   const std::size_t known = contacts_.manifolds().size();
   for (std::size_t m = 0; m < known + late_.size(); ++m) {
@@ -72,7 +71,6 @@ void FastDynamics::colour_manifolds() {
     }
     const auto a = at(manifold.body_a);
     const auto b = at(manifold.body_b);
-    bouncing_ = bouncing_ || laws_(bodies_[a].surface, bodies_[b].surface).restitution > 0.0;
     std::uint64_t taken = (bodies_[a].fixed ? 0 : used_[a]) | (bodies_[b].fixed ? 0 : used_[b]);
     Slot slot;
     slot.manifold = static_cast<int>(m);
@@ -145,10 +143,11 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
   batch.points = std::max(batch.points, manifold.count);
   const SurfaceLaw& law = laws_(bodies_[a].surface, bodies_[b].surface);
   batch.friction[i] = static_cast<float>(law.friction);
-  batch.twist_impulse[i] = manifold.twist_impulse;
+  const bool fast = poses_[a].reach_m + poses_[b].reach_m > step_s_ * options_.resting_approach_mps;
+  batch.twist_impulse[i] = impulse_share_ * manifold.twist_impulse;
   batch.twist_total[i] = 0.0F;
   for (Lane& total : batch.friction_total) total[i] = 0.0F;
-  put(batch.carried_friction, i, manifold.friction_impulse.cast<double>());
+  put(batch.carried_friction, i, (impulse_share_ * manifold.friction_impulse).cast<double>());
   for (std::size_t p = 0; p < k_soft_points; ++p) {
     SoftPoint& point = batch.point[p];
     const bool present = p < at(manifold.count);
@@ -160,11 +159,11 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
     point.mass[i] = present ? 1.0F : 0.0F;
     point.gap[i] = present ? static_cast<float>(manifold.gap_m[p]) : 0.0F;
     point.gap_now[i] = point.gap[i];
-    point.impulse[i] = present ? manifold.impulse[p] : 0.0F;
-    point.bounce[i] = 0.0F;
+    point.impulse[i] = present ? impulse_share_ * manifold.impulse[p] : 0.0F;
+    point.bounce[i] = -1.0F;
     point.max_impulse[i] = 0.0F;
     point.total[i] = 0.0F;
-    if (!present || law.restitution == 0.0) continue;
+    if (!present || !fast) continue;
     const double approach = manifold.normal.dot(velocity_at(b, arm_b) - velocity_at(a, arm_a));
     if (approach < -options_.resting_approach_mps) {
       point.bounce[i] = static_cast<float>(-law.restitution * approach);
@@ -177,13 +176,18 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
 void FastDynamics::mark_touched() {
   std::ranges::fill(touched_, 0);
   pool_.for_ranges(slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (const Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
+    for (Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
       const SoftBatch& batch = batches_[at(slot.batch)];
       const std::size_t i = at(slot.lane);
       const SoftManifold& manifold = solved_manifold(at(slot.manifold));
-      const auto points = std::span(batch.point).first(at(manifold.count));
-      const auto pushed = [&](const SoftPoint& p) { return p.max_impulse[i] > 0.0F; };
-      if (std::ranges::none_of(points, pushed)) continue;
+      slot.pushed = false;
+      slot.deepest_m = 0.0F;
+      for (const SoftPoint& point : std::span(batch.point).first(at(manifold.count))) {
+        if (!(point.max_impulse[i] > 0.0F)) continue;
+        slot.pushed = true;
+        slot.deepest_m = std::max(slot.deepest_m, -point.gap_now[i]);
+      }
+      if (!slot.pushed) continue;
       for (const int body : {manifold.body_a, manifold.body_b}) {
         std::atomic_ref(touched_[at(body)]).store(1, std::memory_order_relaxed);
       }
@@ -191,28 +195,34 @@ void FastDynamics::mark_touched() {
   });
 }
 
-// Back into the manifolds, of which each has one slot.
+// Back into the manifolds, of which each has one slot, as what a sub-step of an uncut step would
+// apply.
 void FastDynamics::keep_impulses() {
+  const float scale = 1.0F / impulse_share_;
   pool_.for_ranges(slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) {
     for (const Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
       const SoftBatch& batch = batches_[at(slot.batch)];
       const std::size_t i = at(slot.lane);
       SoftManifold& manifold = solved_manifold(at(slot.manifold));
       for (std::size_t p = 0; p < at(manifold.count); ++p) {
-        manifold.impulse[p] = batch.point[p].impulse[i];
+        manifold.impulse[p] = scale * batch.point[p].impulse[i];
       }
       for (std::size_t k = 0; k < 3; ++k) {
         manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
-            batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
-            batch.friction_impulse[1][i] * batch.tangent[1][k][i];
+            scale * (batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
+                     batch.friction_impulse[1][i] * batch.tangent[1][k][i]);
       }
-      manifold.twist_impulse = batch.twist_impulse[i];
+      manifold.twist_impulse = scale * batch.twist_impulse[i];
     }
   });
 }
 
-// What the step applied; friction and twist of a manifold become forces at its points.
 std::vector<SoftContact> FastDynamics::contacts() const {
+  return report_.parts > 1 ? cut_contacts_ : contacts_of_part();
+}
+
+// What the part applied; friction and twist of a manifold become forces at its points.
+std::vector<SoftContact> FastDynamics::contacts_of_part() const {
   std::vector<SoftContact> contacts;
   for (const Slot& slot : slots_) {
     const SoftManifold& manifold = solved_manifold(at(slot.manifold));

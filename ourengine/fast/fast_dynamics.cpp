@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "ourengine/fast/soft_vector.hpp"
+
 namespace ourengine {
 namespace {
 
@@ -12,9 +14,6 @@ constexpr double k_phase_limit_rad = 1.0;
 // A struck body may in turn strike its neighbours within the step: contacts are looked up again
 // with the reach of the striker handed on, so often.
 constexpr int k_reach_passes = 2;
-// A step is tried again with the contacts that its end showed to be missing, so often. Debris of a
-// brick at 20 m/s never needs more than 8; at 200 m/s each trial still finds what the last did not.
-constexpr int k_trial_limit = 24;
 constexpr std::size_t k_batches_per_piece = 4;
 constexpr std::size_t k_bodies_per_piece = 256;
 
@@ -24,17 +23,9 @@ SoftVector soft(const Eigen::Vector3d& linear, const Eigen::Vector3d& angular) {
   return {l.x(), l.y(), l.z(), 0.0F, a.x(), a.y(), a.z(), 0.0F};
 }
 
-SoftVector plus(const SoftVector& a, const SoftVector& b) {
-  SoftVector sum;
-  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = a[k] + b[k];
-  return sum;
-}
+using Floats = Eigen::Array<float, 8, 1>;
 
-SoftVector minus(const SoftVector& a, const SoftVector& b) {
-  SoftVector difference;
-  for (std::size_t k = 0; k < difference.size(); ++k) difference[k] = a[k] - b[k];
-  return difference;
-}
+Eigen::Map<Floats> floats(SoftVector& v) { return Eigen::Map<Floats>(v.data()); }
 
 }  // namespace
 
@@ -71,6 +62,7 @@ void FastDynamics::set_motions(std::span<const Motion> motions) {
   contacts_.clear();
   late_.clear();
   slots_.clear();
+  cut_contacts_.clear();
 }
 
 void FastDynamics::restore(const Snapshot& snapshot) {
@@ -78,29 +70,87 @@ void FastDynamics::restore(const Snapshot& snapshot) {
   contacts_.restore(snapshot.contacts);
   late_.clear();
   slots_.clear();
+  cut_contacts_.clear();
 }
 
 const FastReport& FastDynamics::step() {
   report_ = {};
-  late_.clear();
-  sweeps_ = 1;
-  pose_bodies();
-  bool search = true;
-  bool missing = true;
-  std::size_t solved = 0;
-  while (missing && report_.passes < k_trial_limit) {
-    if (search) find_contacts();
-    try_step();
-    solved = late_.size();
-    search = find_far();
-    missing = search || look_ahead();
-  }
-  late_.resize(solved);
-  report_.ran_out = missing;
-  keep_impulses();
-  std::swap(motions_, ends_);
+  cut_contacts_.clear();
+  advance(options_.step_s, 0);
+  std::ranges::stable_sort(cut_contacts_, {}, [](const SoftContact& c) {
+    return BodyPair{c.body_a, c.body_b};
+  });
   std::ranges::fill(loads_, Load{});
   return report_;
+}
+
+// A step, or the part of one that is left after so many cuts.
+void FastDynamics::advance(double step_s, int cuts) {
+  step_s_ = step_s;
+  impulse_share_ = std::ldexp(1.0F, -cuts);
+  const bool may_cut = cuts < FastLimits::k_cuts;
+  bool settled = settle(may_cut);
+  if (settled || !may_cut) settled = close() && settled;
+  if (!settled && may_cut) {
+    for (int half = 0; half < 2; ++half) advance(0.5 * step_s, cuts + 1);
+    return;
+  }
+  report_.ran_out = report_.ran_out || !settled;
+  accept();
+  if (cuts == 0) return;
+  const std::vector<SoftContact> part = contacts_of_part();
+  cut_contacts_.insert(cut_contacts_.end(), part.begin(), part.end());
+}
+
+// Trials until one leaves nothing that another would mend. Whether that was reached.
+bool FastDynamics::settle(bool may_cut) {
+  late_.clear();
+  sweeps_ = 1;
+  overlap_left_m_ = 0.0;
+  pose_bodies();
+  Look look = Look::again;
+  bool search = true;
+  std::size_t solved = 0;
+  for (int trial = 0; trial < FastLimits::k_trials && look == Look::again; ++trial) {
+    if (search) find_contacts();
+    solved = late_.size();
+    try_step();
+    if (may_cut && turns_far()) return false;
+    search = find_far();
+    if (!search) look = look_ahead();
+  }
+  late_.resize(solved);
+  return look == Look::settled;
+}
+
+bool FastDynamics::turns_far() const {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (touched_[i] != 0 && angular_part(moved_[i]).norm() > FastLimits::k_turn_rad) return true;
+  }
+  return false;
+}
+
+// Newton's law, and no energy that was not there, for what the last trial found. Whether the energy
+// could be held.
+bool FastDynamics::close() {
+  rebound_left_mps_ = 0.0;
+  energy_taken_j_ = 0.0;
+  deepest_m_ = 0.0;
+  for (const Slot& slot : slots_) deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
+  if (is_quiet()) return true;
+  join_islands();
+  rebound();
+  return limit_energies();
+}
+
+void FastDynamics::accept() {
+  ++report_.parts;
+  report_.overlap_left_m = std::max(report_.overlap_left_m, overlap_left_m_);
+  report_.rebound_left_mps = std::max(report_.rebound_left_mps, rebound_left_mps_);
+  report_.energy_taken_j += energy_taken_j_;
+  report_.deepest_m = deepest_m_;
+  keep_impulses();
+  std::swap(motions_, ends_);
 }
 
 // The step with the contacts known so far, from its start; motions and carried impulses stay.
@@ -134,8 +184,14 @@ void FastDynamics::pose_bodies() {
                      0.0F};
       spin_radps_[i] =
           r * inverse.cwiseProduct(r.transpose() * motions_[i].angular_momentum_kgm2ps);
-      poses_[i] = {r, options_.step_s *
-                          (motions_[i].velocity_mps.norm() + spin_radps_[i].norm() * radius_m_[i])};
+      double speed_mps = motions_[i].velocity_mps.norm();
+      double spin_radps = spin_radps_[i].norm();
+      // What loads add counts, what gravity adds does not: it adds the same to all.
+      if (!loads_[i].force_n.isZero(0.0) || !loads_[i].torque_nm.isZero(0.0)) {
+        speed_mps += step_s_ * loads_[i].force_n.norm() / bodies_[i].mass_kg;
+        spin_radps += step_s_ * loads_[i].torque_nm.norm() * inverse.maxCoeff();
+      }
+      poses_[i] = {r, step_s_ * (speed_mps + spin_radps * radius_m_[i])};
     }
   });
 }
@@ -144,7 +200,7 @@ void FastDynamics::pose_bodies() {
 void FastDynamics::find_contacts() {
   bool handed_on = true;
   for (int pass = 0; handed_on && pass <= k_reach_passes; ++pass) {
-    contacts_.update(motions_, poses_, options_.step_s, pool_);
+    contacts_.update(motions_, poses_, step_s_, pool_);
     report_.remade += contacts_.made();
     handed_on = pass < k_reach_passes && hand_on_reach();
   }
@@ -161,7 +217,7 @@ bool FastDynamics::hand_on_reach() {
     for (std::size_t p = 0; p < static_cast<std::size_t>(manifold.count); ++p) {
       const Eigen::Vector3d& arm_a = manifold.arm_a_m[p];
       const double approach_m =
-          options_.step_s *
+          step_s_ *
           manifold.normal.dot(velocity_at(a, arm_a) - velocity_at(b, arm_a - manifold.between_m));
       if (approach_m <= std::max(manifold.gap_m[p], 0.0) + options_.margin_m) continue;
       for (const std::size_t i : {a, b}) {
@@ -209,7 +265,7 @@ void FastDynamics::sweep(const SoftStep& step, bool biased, bool forwards) {
 }
 
 SoftStep FastDynamics::soft_step() const {
-  const double h = options_.step_s / options_.substeps;
+  const double h = step_s_ / options_.substeps;
   const double omega =
       std::min(2.0 * std::numbers::pi * options_.contact_hz, k_phase_limit_rad / h);
   const double damping = 2.0 * options_.damping_ratio + h * omega;
@@ -221,7 +277,7 @@ SoftStep FastDynamics::soft_step() const {
 
 void FastDynamics::run_substeps() {
   SoftStep step = soft_step();
-  const double h = options_.step_s / options_.substeps;
+  const double h = step_s_ / options_.substeps;
   const auto for_bodies = [&](auto work) {
     pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) work(i);
@@ -237,26 +293,27 @@ void FastDynamics::run_substeps() {
     free_change_[i] =
         soft(h * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg), h * turn);
   });
+  const auto fly_on = [&](std::size_t i, const Floats& carried) {
+    const Floats free = floats(velocity_[i]) + floats(free_change_[i]);
+    floats(free_velocity_[i]) = free;
+    floats(velocity_[i]) = free + carried;
+  };
   for (int s = 0; s < options_.substeps; ++s) {
     // Impulses carried over act first. Their sum on a body is the velocity change that the contacts
     // made in the sub-step before, so no pass over the contacts is needed.
-    for_bodies([&](std::size_t i) {
-      const SoftVector carried =
-          s == 0 ? contact_change_[i] : minus(velocity_[i], free_velocity_[i]);
-      free_velocity_[i] = plus(velocity_[i], free_change_[i]);
-      velocity_[i] = plus(free_velocity_[i], carried);
-    });
+    if (s == 0) {
+      for_bodies([&](std::size_t i) { fly_on(i, floats(contact_change_[i])); });
+    } else {
+      for_bodies(
+          [&](std::size_t i) { fly_on(i, floats(velocity_[i]) - floats(free_velocity_[i])); });
+    }
     for (int k = 0; k < sweeps_; ++k) sweep(step, true, (s + k) % 2 == 0);
-    for_bodies([&](std::size_t i) {
-      for (std::size_t k = 0; k < 8; ++k) moved_[i][k] += step.step_s * velocity_[i][k];
-    });
+    for_bodies([&](std::size_t i) { floats(moved_[i]) += step.step_s * floats(velocity_[i]); });
     for (int k = 0; k < sweeps_; ++k) {
       step.counted = k + 1 == sweeps_ ? 1.0F : 0.0F;
       sweep(step, false, (s + k) % 2 != 0);
     }
   }
-  if (!bouncing_) return;
-  for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) soft_bounce(colour(c), velocity_);
 }
 
 }  // namespace ourengine

@@ -14,6 +14,7 @@
 
 #include "ourengine/dynamics/model.hpp"
 #include "ourengine/fast/manifold_set.hpp"
+#include "ourengine/fast/rebound.hpp"
 #include "ourengine/fast/soft_batch.hpp"
 #include "ourengine/parallel/worker_pool.hpp"
 
@@ -38,10 +39,37 @@ struct FastReport {
   int colours = 0;
   int remade = 0;  // manifolds that separating axes had to make anew
   int passes = 0;  // trials of the step: more than 1 where impacts met with contacts unknown before
+  int parts = 0;   // that the step was cut into; the four numbers above are of the last one
   // Deepest new overlap (m) at the step's end that the last trial still left; 0 if below tolerance.
   double overlap_left_m = 0.0;
-  // The limit of trials stopped the step: contacts may be missing, or too few sweeps were made.
+  // Deepest overlap (m) of a contact point when the step ended, new or old, as the sweeps count it.
+  double deepest_m = 0.0;
+  // Newton's law is missed by up to this (m/s) where bodies struck each other.
+  double rebound_left_mps = 0.0;
+  // Kinetic energy (J) taken from groups of touching bodies that would have had more than before.
+  double energy_taken_j = 0.0;
+  // The limits stopped the smallest part of the step: contacts may be missing, or the sweeps made
+  // were too few.
   bool ran_out = false;
+};
+
+// Constants of the scheme that are not options.
+struct FastLimits {
+  // Of the margin: overlaps at the end of a step that its contacts did not see count from here on.
+  static constexpr double k_look_tolerance = 0.5;
+  // A step is tried again with what its end shows to be missing, so often, and with so many sweeps
+  // per sub-step at most.
+  static constexpr int k_trials = 8;
+  static constexpr int k_sweeps = 8;
+  // A touched body may turn so far in a step: its contacts are linear in the turn.
+  static constexpr double k_turn_rad = 0.5;
+  // Up to here the turn of a touched body is taken to second order: off by less than 1e-9 rad.
+  static constexpr double k_small_turn_rad = 1e-3;
+  // More energy than was there, that slowing the contacts cannot take away, is no more than this
+  // share.
+  static constexpr double k_energy_share = 1e-6;
+  // What is not settled then is cut in halves with as many sub-steps each, so often.
+  static constexpr int k_cuts = 5;
 };
 
 struct SoftContact {
@@ -86,16 +114,28 @@ class FastDynamics {
   void restore(const Snapshot& snapshot);
 
  private:
+  enum class Look { settled, again, stuck };
+  struct Energy {  // at the end of the step
+    double allowed_j = 0.0;
+    double kinetic_j = 0.0;
+  };
   struct Slot {  // where a manifold is solved
     int manifold = 0;
     int colour = 0;
     int batch = 0;  // index into batches_
     int lane = 0;
+    bool pushed = false;     // during the trial
+    float deepest_m = 0.0F;  // overlap of its pushed points where the trial ends
   };
 
   void pose_bodies();
   void find_contacts();
   bool hand_on_reach();
+  void advance(double step_s, int cuts);
+  bool settle(bool may_cut);
+  bool close();
+  void accept();
+  bool turns_far() const;
   void colour_manifolds();
   SoftManifold& solved_manifold(std::size_t index);
   const SoftManifold& solved_manifold(std::size_t index) const;
@@ -114,8 +154,24 @@ class FastDynamics {
   void keep_impulses();
   void find_ends();
   Motion end_of(std::size_t body) const;
+  Eigen::Quaterniond turned_freely(std::size_t body, const Eigen::Vector3d& turn_rad) const;
+  Eigen::Vector3d momentum_of(std::size_t body, const Eigen::Vector3d& spin_radps) const;
   bool find_far();
-  bool look_ahead();
+  Look look_ahead();
+  bool is_quiet() const;
+  void join_islands();
+  int island_of(int body);
+  void rebound();
+  double fastest_approach_mps(const Slot& slot) const;
+  double settle_rows(std::span<const Slot* const> slots, double enough_mps);
+  ReboundRow rebound_row(const Slot& slot) const;
+  Twist twist_of(std::size_t body) const;
+  void set_twist(std::size_t body, const Twist& twist);
+  void take_rebound(const Slot& slot, const ReboundRow& row);
+  void find_energies();
+  bool limit_energies();
+  void limit_island(std::span<const int> bodies, Energy& energy);
+  std::vector<SoftContact> contacts_of_part() const;
   double opened_m(const SoftManifold& manifold, std::size_t point) const;
   void look_around_far();
   void look_at(const BodyPair& pair, double seen_m);
@@ -132,7 +188,17 @@ class FastDynamics {
   std::vector<Motion> ends_;        // where the last trial brings the bodies
   std::vector<int> far_;            // bodies that went beyond the reach that the search assumed
   std::vector<Aabb> end_boxes_;
-  int sweeps_ = 1;  // of either kind, per sub-step
+  int sweeps_ = 1;               // of either kind, per sub-step
+  double step_s_ = 0.0;          // of the part that is under way
+  float impulse_share_ = 1.0F;   // its sub-step over that of an uncut step
+  double overlap_left_m_ = 0.0;  // by its last trial
+  double energy_taken_j_ = 0.0;
+  double rebound_left_mps_ = 0.0;
+  double deepest_m_ = 0.0;
+  std::vector<SoftContact> cut_contacts_;  // of all parts, where the step was cut
+  std::vector<int> island_;                // parent of a body in the tree of its island
+  std::vector<char> grounded_;             // (bodies) by root: something fixed is in the island
+  std::vector<Energy> energy_;             // of touched bodies
   std::vector<BodyPose> poses_;
   std::vector<double> radius_m_;
   std::vector<Eigen::Vector3d> spin_radps_;
@@ -148,7 +214,6 @@ class FastDynamics {
   std::vector<SoftVector> free_change_;     // velocity that gravity and loads give per sub-step
   std::vector<SoftVector> free_velocity_;   // of the sub-step, before its contacts act
   std::vector<char> touched_;
-  bool bouncing_ = false;
   FastReport report_;
 };
 

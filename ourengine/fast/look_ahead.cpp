@@ -2,25 +2,22 @@
 #include <algorithm>
 
 #include "ourengine/fast/fast_dynamics.hpp"
+#include "ourengine/fast/soft_vector.hpp"
 #include "ourengine/integration/rotation.hpp"
 
 namespace ourengine {
 namespace {
 
-// Of the margin: overlaps at the end of a step that its contacts did not see count from here on.
-constexpr double k_look_tolerance = 0.5;
 // Of the thinner body: who gets further than the search for contacts assumed by less than this has
 // met, where the step ends, whomever it meets.
 constexpr double k_pass_share = 0.25;
 // Room for the next trial to bring bodies a little further still.
 constexpr double k_reach_growth = 1.25;
-constexpr int k_sweep_limit = 8;  // per sub-step
+// What free flight would make of a turn like this cannot be told from it in double precision.
+constexpr double k_no_turn_rad = 1e-7;
 constexpr std::size_t k_bodies_per_piece = 256;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-Eigen::Vector3d linear_part(const SoftVector& v) { return {v[0], v[1], v[2]}; }
-Eigen::Vector3d angular_part(const SoftVector& v) { return {v[4], v[5], v[6]}; }
 
 }  // namespace
 
@@ -59,10 +56,11 @@ double FastDynamics::opened_m(const SoftManifold& manifold, std::size_t point) c
 // its start, and struck bodies meet those that were out of their reach. late_ gets contacts made
 // where the trial ends, with gaps that are exact there and linear in the motion. Where contacts
 // that the trial does have are left deeper than they were, its sweeps were too few for the blow:
-// the next one has twice as many. Whether either is the case.
-bool FastDynamics::look_ahead() {
+// the next one has twice as many. Stuck where they have as many as they may and nothing is new:
+// another trial would be the same.
+FastDynamics::Look FastDynamics::look_ahead() {
   const std::size_t before = late_.size();
-  report_.overlap_left_m = 0.0;
+  overlap_left_m_ = 0.0;
   double unsettled_m = 0.0;
   for (const SoftManifold& known : contacts_.manifolds()) {
     if (poses_[at(known.body_a)].reach_m + poses_[at(known.body_b)].reach_m <= options_.margin_m) {
@@ -79,12 +77,13 @@ bool FastDynamics::look_ahead() {
     look_at({known.body_a, known.body_b}, seen_m);
   }
   if (!far_.empty()) look_around_far();
-  const bool unsettled = unsettled_m > k_look_tolerance * options_.margin_m;
-  if (unsettled) {
-    sweeps_ = std::min(2 * sweeps_, k_sweep_limit);
-    report_.overlap_left_m = std::max(report_.overlap_left_m, unsettled_m);
-  }
-  return unsettled || late_.size() > before;
+  const bool unsettled = unsettled_m > FastLimits::k_look_tolerance * options_.margin_m;
+  if (unsettled) overlap_left_m_ = std::max(overlap_left_m_, unsettled_m);
+  const bool found = late_.size() > before;
+  if (!unsettled && !found) return Look::settled;
+  if (!found && sweeps_ == FastLimits::k_sweeps) return Look::stuck;
+  if (unsettled) sweeps_ = std::min(2 * sweeps_, FastLimits::k_sweeps);
+  return Look::again;
 }
 
 // Pairs with a far body that the search for contacts did not even list.
@@ -114,13 +113,13 @@ void FastDynamics::look_around_far() {
 void FastDynamics::look_at(const BodyPair& pair, double seen_m) {
   const auto a = at(pair.first);
   const auto b = at(pair.second);
-  const double tolerance_m = k_look_tolerance * options_.margin_m;
+  const double tolerance_m = FastLimits::k_look_tolerance * options_.margin_m;
   if (collide(bodies_[a], ends_[a], bodies_[b], ends_[b], -tolerance_m).count == 0) return;
   const Manifold end = collide(bodies_[a], ends_[a], bodies_[b], ends_[b], 0.0);
   double deepest_m = 0.0;
   for (int p = 0; p < end.count; ++p) deepest_m = std::min(deepest_m, end.points[at(p)].gap_m);
   if (seen_m - deepest_m <= tolerance_m) return;
-  report_.overlap_left_m = std::max(report_.overlap_left_m, seen_m - deepest_m);
+  overlap_left_m_ = std::max(overlap_left_m_, seen_m - deepest_m);
   late_.push_back(late_manifold(pair, end));
 }
 
@@ -160,24 +159,45 @@ void FastDynamics::find_ends() {
   });
 }
 
+// Of a spin (rad/s) at the attitude of the start.
+Eigen::Vector3d FastDynamics::momentum_of(std::size_t i, const Eigen::Vector3d& spin_radps) const {
+  const Eigen::Matrix3d& r = poses_[i].axes;
+  return r * bodies_[i].inertia_kgm2.cwiseProduct(r.transpose() * spin_radps);
+}
+
+// The attitude after a turn (rad) that a touched body makes in sub-steps of constant spin: as in
+// free flight from the spin that it has on average, since a body that kept its spin instead of its
+// angular momentum would not keep its energy.
+Eigen::Quaterniond FastDynamics::turned_freely(std::size_t i,
+                                               const Eigen::Vector3d& turn_rad) const {
+  const Eigen::Quaterniond& start = motions_[i].attitude;
+  if (turn_rad.squaredNorm() < k_no_turn_rad * k_no_turn_rad) return turned(start, turn_rad);
+  const Eigen::Vector3d& inertia = bodies_[i].inertia_kgm2;
+  if (turn_rad.squaredNorm() > FastLimits::k_small_turn_rad * FastLimits::k_small_turn_rad) {
+    return rotate_moser_veselov(start, inertia, momentum_of(i, turn_rad / step_s_), step_s_);
+  }
+  const Eigen::Matrix3d& r = poses_[i].axes;
+  const Eigen::Vector3d turn = r.transpose() * turn_rad;
+  const Eigen::Vector3d bend = inertia.cwiseProduct(turn).cross(turn).cwiseQuotient(inertia);
+  return turned(start, r * (turn + 0.5 * bend));
+}
+
 Motion FastDynamics::end_of(std::size_t i) const {
   Motion motion = motions_[i];
   if (touched_[i] != 0) {
     motion.position_m += linear_part(moved_[i]);
     motion.velocity_mps = linear_part(velocity_[i]);
-    const Eigen::Matrix3d& r = poses_[i].axes;
-    motion.angular_momentum_kgm2ps =
-        r * bodies_[i].inertia_kgm2.cwiseProduct(r.transpose() * angular_part(velocity_[i]));
-    motion.attitude = turned(motion.attitude, angular_part(moved_[i]));
+    motion.angular_momentum_kgm2ps = momentum_of(i, angular_part(velocity_[i]));
+    motion.attitude = turned_freely(i, angular_part(moved_[i]));
     return motion;
   }
   const Eigen::Vector3d change =
-      options_.step_s * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg);
-  motion.position_m += options_.step_s * (motion.velocity_mps + 0.5 * change);
+      step_s_ * (options_.gravity_mps2 + loads_[i].force_n / bodies_[i].mass_kg);
+  motion.position_m += step_s_ * (motion.velocity_mps + 0.5 * change);
   motion.velocity_mps += change;
-  motion.angular_momentum_kgm2ps += options_.step_s * loads_[i].torque_nm;
+  motion.angular_momentum_kgm2ps += step_s_ * loads_[i].torque_nm;
   motion.attitude = rotate_moser_veselov(motion.attitude, bodies_[i].inertia_kgm2,
-                                         motion.angular_momentum_kgm2ps, options_.step_s);
+                                         motion.angular_momentum_kgm2ps, step_s_);
   return motion;
 }
 

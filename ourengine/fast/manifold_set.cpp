@@ -10,11 +10,6 @@
 namespace ourengine {
 namespace {
 
-// Of the thinner body: relative motion up to which a manifold is kept. As large as the bias of edge
-// axes, which is the accuracy of a manifold's shape to begin with.
-constexpr double k_recycle_share = 1e-3;
-// Of the thinner body: a point that moved less than this over its body is the same point.
-constexpr double k_same_point = 0.1;
 // Cosine between normals of the same manifold.
 constexpr double k_same_normal = 0.9;
 constexpr std::size_t k_pairs_per_piece = 32;
@@ -59,7 +54,7 @@ void inherit(const SoftManifold& old, SoftManifold& made, double thin_m) {
   if (old.normal_in_a.dot(made.normal_in_a) < k_same_normal) return;
   std::array<bool, SoftManifold::k_points> taken{};
   for (std::size_t p = 0; p < at(made.count); ++p) {
-    double nearest = k_same_point * k_same_point * thin_m * thin_m;
+    double nearest = ManifoldSet::k_same_point * ManifoldSet::k_same_point * thin_m * thin_m;
     std::size_t found = SoftManifold::k_points;
     for (std::size_t q = 0; q < at(old.count); ++q) {
       const double distance = (old.on_b_m[q] - made.on_b_m[p]).squaredNorm();
@@ -216,7 +211,17 @@ void ManifoldSet::update(std::span<const Motion> motions, std::span<const BodyPo
                          double step_s, WorkerPool& pool) {
   bound_bodies(motions, poses, pool);
   list_jobs();
-  next_.resize(jobs_.size());
+  // At rest the pairs stay the same, and manifolds are moved along where they lie.
+  const bool in_place = jobs_.size() == manifolds_.size() &&
+                        (jobs_.empty() || std::ranges::all_of(jobs_, [&](const Job& job) {
+                           return job.old == static_cast<int>(&job - jobs_.data());
+                         }));
+  if (in_place) {
+    next_.swap(manifolds_);
+  } else {
+    next_.resize(jobs_.size());
+  }
+  const std::vector<SoftManifold>& known = in_place ? next_ : manifolds_;
   std::atomic<int> made = 0;  // a count: the order of its sum does not matter
   pool.for_ranges(jobs_.size(), k_pairs_per_piece, [&](std::size_t begin, std::size_t end) {
     int fresh = 0;
@@ -225,16 +230,17 @@ void ManifoldSet::update(std::span<const Motion> motions, std::span<const BodyPo
       const std::size_t a = at(job.pair.first);
       const std::size_t b = at(job.pair.second);
       const double margin_m = margin_m_ + poses[a].reach_m + poses[b].reach_m;
-      if (job.old >= 0 && may_recycle(manifolds_[at(job.old)], motions, margin_m)) {
-        next_[k] = manifolds_[at(job.old)];
+      if (job.old >= 0 && may_recycle(known[at(job.old)], motions, margin_m)) {
+        if (!in_place) next_[k] = known[at(job.old)];
         move_along(next_[k], motions, poses);
         continue;
       }
       ++fresh;
-      next_[k] = make(job.pair, motions, poses, step_s);
+      SoftManifold fresh_one = make(job.pair, motions, poses, step_s);
       if (job.old >= 0) {
-        inherit(manifolds_[at(job.old)], next_[k], std::min(thickness_m_[a], thickness_m_[b]));
+        inherit(known[at(job.old)], fresh_one, std::min(thickness_m_[a], thickness_m_[b]));
       }
+      next_[k] = fresh_one;
     }
     made.fetch_add(fresh, std::memory_order_relaxed);
   });

@@ -62,6 +62,12 @@ int choose_points(const Manifold& manifold, std::array<int, SoftManifold::k_poin
 
 class ManifoldSet {
  public:
+  // Of the thinner body: relative motion up to which a manifold is kept. As large as the bias of
+  // edge axes, which is the accuracy of a manifold's shape to begin with.
+  static constexpr double k_recycle_share = 1e-3;
+  // Of the thinner body: a point that moved less than this over its body is the same point.
+  static constexpr double k_same_point = 0.1;
+
   ManifoldSet(std::span<const BodyModel> bodies, double margin_m);
 
   // (bodies) both, at the start of the step. Impulses of persisting points are carried over.

@@ -41,7 +41,7 @@ struct alignas(64) SoftPoint {
   Lane gap;          // m, at the start of the step
   Lane gap_now;      // m, where the bodies are in the current sub-step
   Lane impulse;      // N s per sub-step, accumulated
-  Lane bounce;       // m/s: velocity to leave with, 0 without restitution
+  Lane bounce;       // m/s: velocity to leave with if pushed; < 0: not struck
   Lane max_impulse;  // largest impulse of the step
   Lane total;        // N s: what all sub-steps applied
 };
@@ -106,8 +106,5 @@ void soft_sweep_scalar(std::span<SoftBatch> batches, const SoftStep& step, bool 
 
 // Whether this processor multiplies and adds in one rounding, as the scalar twins always do.
 bool soft_fuses();
-
-// Newton's law of restitution for points that were struck during the step.
-void soft_bounce(std::span<SoftBatch> batches, std::span<SoftVector> velocity);
 
 }  // namespace ourengine

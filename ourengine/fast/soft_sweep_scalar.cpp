@@ -148,31 +148,4 @@ void soft_sweep_scalar(std::span<SoftBatch> batches, const SoftStep& step, bool 
   }
 }
 
-void soft_bounce(std::span<SoftBatch> batches, std::span<SoftVector> velocity) {
-  const auto rest = static_cast<std::int32_t>(velocity.size()) - 1;
-  for (SoftBatch& batch : batches) {
-    for (std::size_t i = 0; i < k_lanes; ++i) {
-      const std::int32_t a = batch.body_a[i];
-      const std::int32_t b = batch.body_b[i];
-      Pair v = gather(velocity, a, b);
-      const Vector n = lane(batch.normal, i);
-      for (SoftPoint& point :
-           std::span(batch.point).first(static_cast<std::size_t>(batch.points))) {
-        if (!(point.bounce[i] > 0.0F) || !(point.max_impulse[i] > 0.0F)) continue;
-        const float speed = dot(n, minus(v.linear_b, v.linear_a)) + turning(point.row, i, v);
-        const float next =
-            std::max(point.impulse[i] - point.mass[i] * (speed - point.bounce[i]), 0.0F);
-        const float impulse = next - point.impulse[i];
-        point.impulse[i] = next;
-        point.total[i] = point.total[i] + impulse;
-        add(v.linear_a, n, -(impulse * batch.inverse_mass_a[i]));
-        add(v.linear_b, n, impulse * batch.inverse_mass_b[i]);
-        turn(point.row, i, impulse, v);
-      }
-      if (a != rest) scatter(velocity[static_cast<std::size_t>(a)], v.linear_a, v.angular_a);
-      if (b != rest) scatter(velocity[static_cast<std::size_t>(b)], v.linear_b, v.angular_b);
-    }
-  }
-}
-
 }  // namespace ourengine
