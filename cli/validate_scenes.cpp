@@ -60,14 +60,13 @@ int compare_symmetries(const std::vector<EngineVariant>& engines, const Catalogu
   for (const Scenario* scenario : scenes) {
     const auto scene = build(*scenario, given);
     if (!scene) return complain(scene.error());
-    const World& world = scene->world;
     for (const EngineVariant& engine : engines) {
       Settings settings;
       settings.step_s = k_step_s;
       settings.variant = engine.variant;
       for (const exact::Symmetry& symmetry : exact::symmetries()) {
         const auto result = exact::compare_image(*find_adapter(catalogues, engine.engine), settings,
-                                                 world, symmetry, steps);
+                                                 *scene, symmetry, steps);
         if (json) {
           results.push_back(symmetry_json(result, engine, scenario->name));
           continue;
@@ -96,14 +95,14 @@ int search_stable_steps(const std::vector<EngineVariant>& engines, const Catalog
                "not stable s");
   }
   for (const Scenario* scenario : scenes) {
-    const World world = build(*scenario, {}).value().world;
+    const Scene scene = build(*scenario, {}).value();
     exact::StableStepSearch search;
-    search.drift_limit_m = exact::quarter_of_smallest_m(world);
+    search.drift_limit_m = exact::quarter_of_smallest_m(scene.world);
     for (const EngineVariant& engine : engines) {
       Settings settings;
       settings.variant = engine.variant;
       const auto result = exact::largest_stable_step(*find_adapter(catalogues, engine.engine),
-                                                     settings, world, search);
+                                                     settings, scene, search);
       if (json) {
         results.push_back({{"id", engine.label() + ':' + scenario->name},
                            {"scene", scenario->name},

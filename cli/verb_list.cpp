@@ -7,6 +7,7 @@
 #include "cli/cases_json.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
+#include "cli/verbs_json.hpp"
 #include "experiments/record/schema.hpp"
 #include "experiments/run/plan.hpp"
 #include "experiments/run/plan_files.hpp"
@@ -153,6 +154,9 @@ void print_parts(const Json& parts, const char* title) {
     } else if (part.contains("engine_default")) {
       facts = fmt::format(" [{}], {}", part["unit"].get<std::string>(),
                           part["allowed"].get<std::string>());
+    } else if (part.contains("value")) {
+      facts =
+          part["value"].get<std::string>().empty() ? "" : ' ' + part["value"].get<std::string>();
     } else if (part.contains("unit")) {
       facts = " [" + part["unit"].get<std::string>() + ']';
     }
@@ -168,7 +172,7 @@ void print_entry(const Json& entry) {
     line += (line == entry["id"] ? ": " : ", ") + one_line(entry[key]);
   }
   fmt::print("{}\n", line);
-  for (const char* key : {"variants", "parameters", "knobs", "outputs", "curves"}) {
+  for (const char* key : {"variants", "parameters", "knobs", "options", "outputs", "curves"}) {
     if (entry.contains(key)) print_parts(entry[key], key);
   }
 }
@@ -178,11 +182,12 @@ struct ListOptions {
   bool json = false;
 };
 
-int list(const ListOptions& options) {
+int list(const ListOptions& options, const CLI::App& app) {
   const Json array = options.what == "engines"     ? engines_json()
                      : options.what == "scenarios" ? scenarios_json()
                      : options.what == "metrics"   ? metrics_json()
                      : options.what == "cases"     ? cases_json()
+                     : options.what == "verbs"     ? verbs_json(app)
                                                    : plans_json();
   if (options.json) {
     fmt::print("{}\n", array.dump(2));
@@ -195,13 +200,14 @@ int list(const ListOptions& options) {
 }  // namespace
 
 void add_list_verb(CLI::App& app, Invocation& invocation) {
-  CLI::App* verb = app.add_subcommand("list", "List engines, scenarios, metrics, cases or plans");
+  CLI::App* verb =
+      app.add_subcommand("list", "List engines, scenarios, metrics, cases, plans or verbs");
   auto options = std::make_shared<ListOptions>();
-  verb->add_option("what", options->what, "engines, scenarios, metrics, cases or plans")
+  verb->add_option("what", options->what, "engines, scenarios, metrics, cases, plans or verbs")
       ->required()
-      ->check(CLI::IsMember({"engines", "scenarios", "metrics", "cases", "plans"}));
+      ->check(CLI::IsMember({"engines", "scenarios", "metrics", "cases", "plans", "verbs"}));
   verb->add_flag("--json", options->json, "An array of objects, each with an id");
-  verb->callback([options, &invocation] { invocation.exit_code = list(*options); });
+  verb->callback([options, &app, &invocation] { invocation.exit_code = list(*options, app); });
 }
 
 }  // namespace brickbench

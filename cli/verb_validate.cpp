@@ -1,21 +1,20 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
 #include "cli/json_number.hpp"
 #include "cli/report_output.hpp"
-#include "cli/terminal.hpp"
+#include "cli/validate_cases.hpp"
 #include "cli/validate_scenes.hpp"
 #include "cli/validation_output.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/exact/order.hpp"
 #include "experiments/exact/sketch.hpp"
 #include "experiments/exact/validate.hpp"
-#include "experiments/record/csv.hpp"
+#include "experiments/run/plan_files.hpp"
 #include "experiments/run/selector.hpp"
 
 namespace brickbench {
@@ -23,13 +22,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* k_questions = "reference_data/predictions/open_questions.csv";
+
 struct ValidateOptions {
   std::vector<std::string> engines = {"all"};
   std::string cases = "all";
   bool predict = false;
   bool order = false;
   std::string symmetry;                 // a scene, or all, whose images are compared; empty: none
-  std::vector<std::string> parameters;  // of the scene of `symmetry`, name=value
+  std::vector<std::string> parameters;  // of the scene of `symmetry` or of the case, name=value
+  std::size_t scan = 0;                 // drawings per case; 0: the cases at given values
+  std::uint64_t seed = 1;               // of the drawings
+  std::string questions;                // file of open questions; empty: the project's
   std::string stable_step;              // a scene at rest; empty: none
   std::vector<std::string> knobs;       // name=value
   std::string figures;                  // a new folder for the cases' starts; empty: none
@@ -55,93 +59,6 @@ Expected<KnobValues> parse_numbers(const std::string& option,
     numbers[text.substr(0, sign)] = value;
   }
   return numbers;
-}
-
-std::string reproduce(const exact::CellResult& cell, const std::vector<std::string>& knobs) {
-  std::string line = fmt::format("brickbench validate --engine {}/{} --case {}", cell.engine,
-                                 cell.variant, cell.case_id);
-  for (const std::string& knob : knobs) line += " --knob " + knob;
-  return line;
-}
-
-Json cell_json(const exact::CellResult& cell, const std::string& reproduce) {
-  auto scores = Json::array();
-  for (const exact::Score& score : cell.scores) {
-    scores.push_back({{"id", score.observable},
-                      {"unit", score.unit},
-                      {"truth", json_number(score.truth)},
-                      {"predicted", json_number(score.predicted)},
-                      {"measured", json_number(score.measured)},
-                      {"scale", json_number(score.scale)},
-                      {"error", json_number(score.error)},
-                      {"explained", json_number(score.explained)},
-                      {"unexplained", json_number(score.unexplained)}});
-  }
-  Json json = {{"id", fmt::format("{}/{}:{}", cell.engine, cell.variant, cell.case_id)},
-               {"engine", cell.engine},
-               {"variant", cell.variant},
-               {"case", cell.case_id},
-               {"outcome", cell.outcome},
-               {"reason", cell.reason},
-               {"failed", cell.failed()},
-               {"bound", cell.bound},
-               {"no_prediction", cell.no_prediction},
-               {"law", cell.law},
-               {"scores", scores}};
-  if (cell.bracket) {
-    json["threshold"] = {
-        {"parameter", cell.bracket->parameter},      {"unit", cell.bracket->unit},
-        {"truth", json_number(cell.bracket->truth)}, {"low", json_number(cell.bracket->low)},
-        {"high", json_number(cell.bracket->high)},   {"found", cell.bracket->found}};
-  }
-  json["reproduce"] = reproduce;
-  return json;
-}
-
-std::string digits(double value) {
-  return std::isnan(value) ? std::string("-") : fmt::format("{:.3g}", value);
-}
-std::string digits(const std::optional<double>& value) { return value ? digits(*value) : "-"; }
-
-double largest(const exact::CellResult& cell, double exact::Score::*part) {
-  double worst = std::nan("");
-  for (const exact::Score& score : cell.scores) {
-    const double value = score.*part;
-    if (!std::isnan(value) && (std::isnan(worst) || value > worst)) worst = value;
-  }
-  return worst;
-}
-
-// Worst observable of each cell: error, explained and unexplained part, and how to see it again.
-void print_line(const exact::CellResult& cell, const std::string& reproduce) {
-  double explained = std::nan("");
-  for (const exact::Score& score : cell.scores) {
-    if (score.explained && !std::isnan(*score.explained)) {
-      explained = std::isnan(explained) ? *score.explained : std::max(explained, *score.explained);
-    }
-  }
-  const std::string verdict = cell.failed()              ? "FAILED"
-                              : cell.outcome != "ok"     ? cell.outcome
-                              : cell.worst_unexplained() ? "ok"
-                                                         : "open";
-  fmt::print("{:<30} {:<18} {:<8} {:>9} {:>9} {:>9}  {}\n", cell.case_id,
-             cell.engine + '/' + cell.variant, verdict,
-             cell.outcome == "ok" ? digits(largest(cell, &exact::Score::error)) : "-",
-             digits(explained), digits(cell.worst_unexplained()), reproduce);
-  if (!cell.law.empty()) fmt::print("    law of impact: {}\n", cell.law);
-  if (!cell.reason.empty()) fmt::print("    {}\n", cell.reason);
-  if (cell.outcome == "ok" && !cell.no_prediction.empty()) {
-    fmt::print("    no prediction: {}\n", cell.no_prediction);
-  }
-  if (cell.bracket && cell.bracket->found) {
-    fmt::print("    {} between {:.6g} and {:.6g} {}, exact {:.6g}\n", cell.bracket->parameter,
-               cell.bracket->low, cell.bracket->high, cell.bracket->unit, cell.bracket->truth);
-  }
-  if (cell.bracket && !cell.bracket->found) {
-    fmt::print("    {}: the same outcome at {:.6g} and {:.6g} {}, exact {:.6g}\n",
-               cell.bracket->parameter, cell.bracket->low, cell.bracket->high, cell.bracket->unit,
-               cell.bracket->truth);
-  }
 }
 
 // One row per observable: what each scheme predicts, before any engine runs.
@@ -230,101 +147,108 @@ int draw_starts(const std::vector<exact::ExactCase>& cases, const std::string& f
   return written ? k_exit_fine : complain(written.error());
 }
 
-int validate(const ValidateOptions& options) {
-  const Catalogues catalogues = all_catalogues();
+// As asked, or what is wrong.
+Expected<std::vector<EngineVariant>> engines_of(const ValidateOptions& options,
+                                                const Catalogues& catalogues,
+                                                const KnobValues& knobs) {
   std::vector<EngineVariant> engines;
   for (const std::string& text : options.engines) {
     try {
       const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
       for (const EngineVariant& engine : select(selector, catalogues)) engines.push_back(engine);
     } catch (const InputError& error) {
-      return complain(error.text(), k_exit_bad_input);
+      return fail(Fault::invalid, error.text());
     }
   }
+  for (const EngineVariant& engine : engines) {
+    const Settings settings{.variant = engine.variant, .knobs = knobs};
+    const auto known = brickbench::validate(*find_adapter(catalogues, engine.engine), settings);
+    if (!known) return tl::unexpected(known.error());
+  }
+  return engines;
+}
+
+// Which options go with which.
+Expected<void> check_company(const ValidateOptions& options, std::size_t cases) {
+  const bool symmetry = !options.symmetry.empty(), stable = !options.stable_step.empty();
+  const bool table = !symmetry && !stable && !options.order && !options.predict;
+  const auto refuse = [](std::string reason) { return fail(Fault::invalid, std::move(reason)); };
+  if (!options.knobs.empty() && (symmetry || stable || options.order)) {
+    return refuse("--knob goes with the table of cases, with --scan and with --predict only");
+  }
+  if (options.scan > 0 && !table) return refuse("--scan is a way of running the table of cases");
+  if (options.scan > 0 && !options.parameters.empty()) {
+    return refuse("--scan draws the parameters that --parameter would state");
+  }
+  if (!options.parameters.empty() && !symmetry && !(table && cases == 1)) {
+    return refuse("--parameter is of the scene of --symmetry, or of the one case of --case");
+  }
+  if (!options.out.empty() && (symmetry || stable || options.predict || options.scan > 0)) {
+    return refuse("--out saves the table of cases, or with --order their orders, only");
+  }
+  if (!options.out.empty()) return can_make(options.out);
+  return {};
+}
+
+// Questions of the file asked for, or of the tree that the plans come from.
+Expected<std::vector<exact::OpenQuestion>> questions_of(const std::string& asked) {
+  if (!asked.empty()) return exact::read_open_questions(asked);
+  for (const std::filesystem::path& plans : plan_folders()) {
+    const auto file = plans.parent_path().parent_path() / k_questions;
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error)) return exact::read_open_questions(file);
+  }
+  fmt::print(stderr, "brickbench: no {}: every failure counts as new\n", k_questions);
+  return std::vector<exact::OpenQuestion>{};
+}
+
+int run_cases(const ValidateOptions& options, CasesAsked asked, const Catalogues& catalogues) {
+  auto questions = questions_of(options.questions);
+  if (!questions) return complain(questions.error());
+  asked.questions = std::move(*questions);
+  asked.json = options.json;
+  asked.out = options.out;
+  asked.knob_text = options.knobs;
+  asked.arguments = options.arguments;
+  if (options.scan > 0) return scan_cases(asked, catalogues, options.scan, options.seed);
+  if (!asked.parameters.empty()) {
+    const auto run = exact::build(asked.cases.front(), asked.parameters);
+    if (!run) return complain(run.error());
+  }
+  return tabulate_cases(asked, catalogues);
+}
+
+int validate(const ValidateOptions& options) {
+  const Catalogues catalogues = all_catalogues();
   const auto knobs = parse_numbers("--knob", options.knobs);
   if (!knobs) return complain(knobs.error());
-  for (const EngineVariant& engine : engines) {
-    const Settings settings{.variant = engine.variant, .knobs = *knobs};
-    const auto known = brickbench::validate(*find_adapter(catalogues, engine.engine), settings);
-    if (!known) return complain(known.error());
-  }
+  const auto parameters = parse_numbers("--parameter", options.parameters);
+  if (!parameters) return complain(parameters.error());
+  const auto engines = engines_of(options, catalogues, *knobs);
+  if (!engines) return complain(engines.error());
   const auto cases = exact::select_cases(exact::exact_cases(), options.cases);
   if (cases.empty()) {
     return complain(
         fmt::format("no case '{}': all, family.* or one of `brickbench list cases`", options.cases),
         k_exit_bad_input);
   }
-  const bool table = options.symmetry.empty() && options.stable_step.empty() && !options.order;
-  if (!table && !knobs->empty()) {
-    return complain("--knob goes with the table of cases and with --predict only",
-                    k_exit_bad_input);
-  }
-  if (options.symmetry.empty() && !options.parameters.empty()) {
-    return complain("--parameter is of the scene of --symmetry", k_exit_bad_input);
-  }
+  if (auto ok = check_company(options, cases.size()); !ok) return complain(ok.error());
+  const ParameterValues values(parameters->begin(), parameters->end());
   if (!options.figures.empty()) return draw_starts(cases, options.figures);
-  if (!options.out.empty()) {
-    if (!options.symmetry.empty() || !options.stable_step.empty() || options.predict) {
-      return complain("--out saves the table of cases, or with --order their orders, only",
-                      k_exit_bad_input);
-    }
-    if (const auto free = can_make(options.out); !free) return complain(free.error());
-  }
   if (!options.symmetry.empty()) {
-    const auto parameters = parse_numbers("--parameter", options.parameters);
-    if (!parameters) return complain(parameters.error());
-    return compare_symmetries(engines, catalogues, options.symmetry,
-                              ParameterValues(parameters->begin(), parameters->end()),
-                              options.json);
+    return compare_symmetries(*engines, catalogues, options.symmetry, values, options.json);
   }
   if (!options.stable_step.empty()) {
-    return search_stable_steps(engines, catalogues, options.stable_step, options.json);
+    return search_stable_steps(*engines, catalogues, options.stable_step, options.json);
   }
-  if (options.order) return fit_orders(engines, catalogues, cases, options);
+  if (options.order) return fit_orders(*engines, catalogues, cases, options);
   if (options.predict) {
-    print_predictions(engines, catalogues, cases, *knobs);
+    print_predictions(*engines, catalogues, cases, *knobs);
     return k_exit_fine;
   }
-  auto cells = Json::array();
-  std::size_t failed = 0, held = 0, open = 0;
-  Progress progress(engines.size() * cases.size());
-  if (!options.json) {
-    fmt::print("{:<30} {:<18} {:<8} {:>9} {:>9} {:>9}  {}\n", "case", "engine", "verdict", "error",
-               "explained", "unexpl.", "reproduce with");
-  }
-  for (const exact::ExactCase& exact_case : cases) {
-    for (const EngineVariant& engine : engines) {
-      progress.begin(exact_case.id + ' ' + engine.label());
-      const exact::CellResult cell = exact::validate(*find_adapter(catalogues, engine.engine),
-                                                     engine.variant, exact_case, {}, *knobs);
-      progress.end(fmt::format("{} {}: {}", exact_case.id, engine.label(), cell.outcome));
-      failed += cell.failed();
-      const bool predicted = cell.outcome == "ok" && cell.worst_unexplained().has_value();
-      held += predicted && !cell.failed();
-      open += cell.outcome == "ok" && !predicted;
-      const std::string again = reproduce(cell, options.knobs);
-      cells.push_back(cell_json(cell, again));
-      if (!options.json) print_line(cell, again);
-    }
-  }
-  const std::size_t count = engines.size() * cases.size();
-  const int exit_code = failed > 0 ? k_exit_failed_case : k_exit_fine;
-  Json json = {{"cells", std::move(cells)}, {"count", count}, {"failed", failed},
-               {"within_bounds", held},     {"open", open},   {"exit_code", exit_code}};
-  if (options.json) {
-    fmt::print("{}\n", json.dump(2));
-  } else {
-    fmt::print(
-        "{} of {} cells follow their scheme within the bounds, {} failed, {} have no "
-        "discrete prediction, {} refused.\n",
-        held, count, failed, open, count - held - failed - open);
-  }
-  if (options.out.empty()) return exit_code;
-  json["engines"] = audited_engines(engines, catalogues, cases, *knobs);
-  const auto saved =
-      save_validation(options.out, "validation.json", json, "Exact cases in all engines asked for",
-                      options.arguments, engines, catalogues);
-  return saved ? exit_code : complain(saved.error());
+  return run_cases(options,
+                   {.engines = *engines, .cases = cases, .knobs = *knobs, .parameters = values},
+                   catalogues);
 }
 
 }  // namespace
@@ -341,10 +265,15 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
                  "Print what the schemes predict, as CSV, without running any engine");
   verb->add_flag("--order", options->order,
                  "Fit the order of convergence of the first observable on a ladder of steps");
+  verb->add_option("--scan", options->scan,
+                   "Draw each case's parameters so many times at random over its domain");
+  verb->add_option("--seed", options->seed, "Of the drawings; default 1");
+  verb->add_option("--questions", options->questions,
+                   "File of the cells that are known to fail; default that of the project");
   verb->add_option("--symmetry", options->symmetry,
                    "Compare a scene, or all, with its mirrored, turned, shifted and scaled images");
   verb->add_option("--parameter", options->parameters,
-                   "name=number of the scene of --symmetry; may be repeated")
+                   "name=number of the one case, or of the scene of --symmetry; may be repeated")
       ->expected(1)
       ->take_all();
   verb->add_option("--stable-step", options->stable_step,

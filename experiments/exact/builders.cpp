@@ -12,6 +12,17 @@ std::size_t step_count(const ParameterValues& values) {
       std::llround(value_of(values, "duration_s") / value_of(values, "step_s")));
 }
 
+double one_step_s(const ParameterValues& values) { return value_of(values, "step_s"); }
+
+std::string outruns(const ParameterValues& values, double speed_mps, double most_m) {
+  const bool too_far = speed_mps * value_of(values, "step_s") > most_m;
+  return too_far ? "a step of the approach is not small against the bodies" : "";
+}
+
+std::string leaves_floor(double way_m) {
+  return way_m > k_way_on_floor_m ? "the brick slides off the floor" : "";
+}
+
 ExactRun start_run(const ParameterValues& values, bool gravity) {
   ExactRun run;
   run.step_s = value_of(values, "step_s");

@@ -12,6 +12,14 @@ constexpr double k_gravity_mps2 = 9.81;
 
 // Steps that cover the case's duration_s at its step_s, rounded to the nearest whole number.
 std::size_t step_count(const ParameterValues& values);
+// The own time of cases that begin and end so many steps before and after one event.
+double one_step_s(const ParameterValues& values);
+// Why an impact is none: where a step at the speed covers more than `most_m` the bodies are deep in
+// each other, at other points than stated, before any step ends within their touch. Else empty.
+std::string outruns(const ParameterValues& values, double speed_mps, double most_m);
+// Half a floor slab's edge less the half-length of the bricks that slide on it: the way they have.
+inline constexpr double k_way_on_floor_m = 9.0;
+std::string leaves_floor(double way_m);
 // A run with step, steps and gravity (0, 0, -9.81) set, or none.
 ExactRun start_run(const ParameterValues& values, bool gravity = true);
 

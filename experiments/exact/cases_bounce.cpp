@@ -1,4 +1,5 @@
 // One body against the fixed ground: bounces and single impacts.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +13,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double k_radius_m = 0.1;
+constexpr double k_thin_half_m = 0.1;  // of what is dropped, along the fall
 
 ExactRun ball_over_plane(const ParameterValues& p) {
   ExactRun run = start_run(p);
@@ -90,7 +92,7 @@ ExactRun make_bounce_times(const ParameterValues& p) {
 ExactRun make_flat_drop(const ParameterValues& p) {
   ExactRun run = start_run(p);
   const double height = value_of(p, "height_m"), e = value_of(p, "restitution");
-  const Vector3d half(0.2, 0.15, 0.1);
+  const Vector3d half(0.2, 0.15, k_thin_half_m);
   run.world.law = {.friction = 0.0, .restitution = e};
   run.world.bodies = {floor_slab(), box("brick", half, 5.0, at({0.0, 0.0, half.z() + height}))};
   run.geometry = flat_contact(0, 1, half.z());
@@ -139,6 +141,28 @@ ExactRun make_landing(const ParameterValues& p, bool sphere) {
   return run;
 }
 
+double fall_s(const ParameterValues& p) {
+  return std::sqrt(2.0 * value_of(p, "height_m") / k_gravity_mps2);
+}
+
+// Until the fourth bounce.
+double bounces_s(const ParameterValues& p) {
+  const double e = value_of(p, "restitution");
+  return fall_s(p) * (1.0 + 2.0 * e * (1.0 + e * (1.0 + e)));
+}
+
+// Each flight that is measured must span some steps; the third is the shortest.
+std::string flights_too_short(const ParameterValues& p) {
+  constexpr double k_least_steps = 4.0;
+  const double third_s = 2.0 * fall_s(p) * std::pow(value_of(p, "restitution"), 3);
+  const bool too_short = third_s < k_least_steps * value_of(p, "step_s");
+  return too_short ? "the third flight lasts less than four steps" : "";
+}
+
+std::string drop_outruns(const ParameterValues& p) {
+  return outruns(p, k_gravity_mps2 * fall_s(p), k_thin_half_m);
+}
+
 ExactCase landing(std::string id, std::string title, bool sphere,
                   ExactRun (*make)(const ParameterValues&)) {
   return {
@@ -157,6 +181,8 @@ ExactCase landing(std::string id, std::string title, bool sphere,
                       {"rebound_mps", "m/s", "largest upward velocity of the run"},
                       {"deepest_gap_m", "m", "smallest gap of the run"}},
       .make = make,
+      .own_time_s = fall_s,
+      .outside = drop_outruns,
       .threshold = std::nullopt,
       .expected_violation = "steps sink in by up to v dt; springs rebound a little"};
 }
@@ -235,6 +261,18 @@ ExactRun make_rod(const ParameterValues& p) {
   return make_impact(p, body, Vector3d(0.5, 0.0, -thickness), 2);
 }
 
+// The next corner is 0.04 m higher than the lowest.
+std::string corner_outruns(const ParameterValues& p) {
+  return outruns(p, value_of(p, "speed_mps"), 0.01);
+}
+
+// A quarter of the height of the next edge above the lowest.
+std::string rod_outruns(const ParameterValues& p) {
+  const double angle = value_of(p, "angle_rad"), half = value_of(p, "half_thickness_m");
+  return outruns(p, value_of(p, "speed_mps"),
+                 0.25 * std::min(2.0 * half * std::cos(angle), std::sin(angle)));
+}
+
 std::vector<Observable> impact_observables() {
   return {{"velocity_z_mps", "m/s", "of the centre of mass after the impact"},
           {"spin_x_radps", "rad/s", "after the impact, world frame"},
@@ -255,12 +293,14 @@ ExactCase ball_apexes() {
       .needs = {.contacts = Contacts::one, .spheres = true, .restitution = true},
       .parameters =
           with_time({real("height_m", "m", 1.0, 0.01, 100.0, "start height of the lowest point"),
-                     real("restitution", "1", 0.8, 0.05, 1.0, "coefficient of restitution")},
+                     real("restitution", "1", 0.8, 0.3, 1.0, "coefficient of restitution")},
                     0.001, 2.4),
       .observables = {{"apex_1_m", "m", "height after the first bounce"},
                       {"apex_2_m", "m", "height after the second bounce"},
                       {"apex_3_m", "m", "height after the third bounce"}},
       .make = make_apexes,
+      .own_time_s = bounces_s,
+      .outside = flights_too_short,
       .threshold = std::nullopt,
       .expected_violation = "contacts without a coefficient of restitution do not bounce"};
 }
@@ -274,13 +314,15 @@ ExactCase ball_bounce_times() {
           .needs = {.contacts = Contacts::one, .spheres = true, .restitution = true},
           .parameters = with_time(
               {real("height_m", "m", 1.0, 0.01, 100.0, "start height of the lowest point"),
-               real("restitution", "1", 0.8, 0.05, 1.0, "coefficient of restitution")},
+               real("restitution", "1", 0.8, 0.3, 1.0, "coefficient of restitution")},
               0.001, 2.4),
           .observables = {{"bounce_1_s", "s", "time of the first sample that moves up again"},
                           {"bounce_2_s", "s", "the second bounce"},
                           {"bounce_3_s", "s", "the third bounce"},
                           {"bounce_4_s", "s", "the fourth bounce"}},
           .make = make_bounce_times,
+          .own_time_s = bounces_s,
+          .outside = flights_too_short,
           .threshold = std::nullopt,
           .expected_violation = "contacts without a coefficient of restitution do not bounce"};
 }
@@ -301,6 +343,8 @@ ExactCase flat_drop() {
                       {"spin_radps", "rad/s", "largest spin of the run"},
                       {"drift_m", "m", "largest horizontal displacement"}},
       .make = make_flat_drop,
+      .own_time_s = fall_s,
+      .outside = drop_outruns,
       .threshold = std::nullopt,
       .expected_violation = "contacts without a coefficient of restitution do not bounce",
       .classify = symmetric_impact_law};
@@ -330,6 +374,8 @@ ExactCase corner_impact() {
                     0.0005, 0.007),
       .observables = impact_observables(),
       .make = make_corner,
+      .own_time_s = one_step_s,
+      .outside = corner_outruns,
       .threshold = std::nullopt,
       .expected_violation = "contacts without a coefficient of restitution do not bounce"};
 }
@@ -349,6 +395,8 @@ ExactCase rod_impact() {
                         0.0005, 0.007),
           .observables = impact_observables(),
           .make = make_rod,
+          .own_time_s = one_step_s,
+          .outside = rod_outruns,
           .threshold = std::nullopt,
           .expected_violation = "contacts without a coefficient of restitution do not bounce",
           .classify = symmetric_impact_law};

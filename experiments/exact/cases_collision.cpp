@@ -236,6 +236,21 @@ std::string cradle_law(std::span<const double> v, const ExactRun& run) {
   return "neither";
 }
 
+// A quarter of the radius, or of the half-edge along the approach.
+std::string spheres_outrun(const ParameterValues& p) {
+  return outruns(p, value_of(p, "speed_mps"), 0.25 * k_radius_m);
+}
+std::string boxes_outrun(const ParameterValues& p) {
+  return outruns(p, value_of(p, "speed_mps"), 0.0125);
+}
+
+// Until the last ball of the chain is struck: each gap is crossed (1 + e)/(1 + ratio) times faster
+// than the one before.
+double chain_s(const ParameterValues& p) {
+  const double faster = (1.0 + value_of(p, "restitution")) / (1.0 + value_of(p, "mass_ratio"));
+  return value_of(p, "step_s") * (1.0 + 1.0 / faster + 1.0 / (faster * faster));
+}
+
 const std::string k_no_restitution = "contacts without a coefficient of restitution do not bounce";
 
 }  // namespace
@@ -257,6 +272,8 @@ ExactCase central_spheres() {
                           {"velocity_2_mps", "m/s", "of the second sphere afterwards"},
                           {"momentum_ns", "N s", "sum of both"}},
           .make = make_central_spheres,
+          .own_time_s = one_step_s,
+          .outside = spheres_outrun,
           .threshold = std::nullopt,
           .expected_violation = k_no_restitution};
 }
@@ -279,6 +296,8 @@ ExactCase oblique_spheres() {
                           {"velocity_2y_mps", "m/s", "second sphere, across"},
                           {"spin_radps", "rad/s", "must stay zero: no friction"}},
           .make = make_oblique,
+          .own_time_s = one_step_s,
+          .outside = spheres_outrun,
           .threshold = std::nullopt,
           .expected_violation = k_no_restitution};
 }
@@ -298,6 +317,8 @@ ExactCase central_boxes() {
                           {"velocity_2_mps", "m/s", "of the second brick afterwards"},
                           {"spin_radps", "rad/s", "sum of both spins, must stay zero"}},
           .make = make_central_boxes,
+          .own_time_s = one_step_s,
+          .outside = boxes_outrun,
           .threshold = std::nullopt,
           .expected_violation = k_no_restitution,
           .classify = symmetric_impact_law};
@@ -321,6 +342,8 @@ ExactCase off_centre_bricks() {
                           {"spin_2_radps", "rad/s", "of the striking brick, must stay zero"},
                           {"angular_momentum_nms", "N m s", "about the origin, z"}},
           .make = make_off_centre,
+          .own_time_s = one_step_s,
+          .outside = boxes_outrun,
           .threshold = std::nullopt,
           .expected_violation = ""};
 }
@@ -344,6 +367,8 @@ ExactCase cradle() {
                           {"momentum_ns", "N s", "sum"},
                           {"energy_j", "J", "kinetic energy"}},
           .make = make_cradle,
+          .own_time_s = one_step_s,
+          .outside = spheres_outrun,
           .threshold = std::nullopt,
           .expected_violation = "Newton's law at all contacts at once gives (-v/3, 2 v/3, 2 v/3)",
           .classify = cradle_law};
@@ -364,6 +389,8 @@ ExactCase mass_chain() {
           .observables = {{"velocity_last_mps", "m/s", "of the last ball"},
                           {"momentum_ns", "N s", "sum"}},
           .make = make_mass_chain,
+          .own_time_s = chain_s,
+          .outside = spheres_outrun,
           .threshold = std::nullopt,
           .expected_violation = k_no_restitution};
 }
@@ -378,13 +405,16 @@ ExactCase small_on_big() {
           "its speed.",
       .formula = "v' = v (3 M - m)/(M + m)",
       .needs = {.contacts = Contacts::one, .spheres = true, .restitution = true},
-      .parameters = with_time(
-          {real("speed_mps", "m/s", 2.0, 0.3, 20.0, "speed of both"),
-           real("heavy_mass_kg", "kg", 20.0, 1.0, 1e6, "mass of the heavy ball; the other: 1")},
-          0.001, 0.04),
+      .parameters =
+          with_time({real("speed_mps", "m/s", 2.0, 0.3, 20.0, "speed of both"),
+                     real("heavy_mass_kg", "kg", 20.0, 3.0, 1e6,
+                          "mass of the heavy ball, which then does not fall back; the other: 1")},
+                    0.001, 0.04),
       .observables = {{"velocity_light_mps", "m/s", "of the light ball afterwards"},
                       {"velocity_heavy_mps", "m/s", "of the heavy ball afterwards"}},
       .make = make_small_on_big,
+      .own_time_s = one_step_s,
+      .outside = spheres_outrun,
       .threshold = std::nullopt,
       .expected_violation = k_no_restitution};
 }

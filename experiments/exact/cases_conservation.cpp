@@ -107,6 +107,7 @@ ExactCase heap(std::string id, std::string title, std::string claim, double rest
                       {"angular_momentum_error_nms", "N m s", "about the origin, at the end"},
                       {"energy_gain_j", "J", "largest gain of kinetic energy in one step"}},
       .make = make_heap,
+      .own_time_s = [](const ParameterValues& p) { return 1.0 / value_of(p, "speed_mps"); },
       .threshold = std::nullopt,
       .expected_violation = "position correction through velocities adds energy"};
   if (restitution == 1.0) {

@@ -147,6 +147,36 @@ ExactRun make_spin_and_slide(const ParameterValues& p) {
   return run;
 }
 
+double stopping_s(const ParameterValues& p) {
+  return value_of(p, "speed_mps") / (value_of(p, "friction") * k_gravity_mps2);
+}
+double onset_s(const ParameterValues& p) {
+  return value_of(p, "friction") * k_mass_kg * k_gravity_mps2 / value_of(p, "rate_nps");
+}
+double spinning_s(const ParameterValues& p) {
+  const double inertia_m2 = 2.0 / 3.0 * k_half_m.x() * k_half_m.x();  // I/m about the vertical
+  const double lever_m = k_half_m.head<2>().norm();
+  return value_of(p, "spin_radps") * inertia_m2 /
+         (value_of(p, "friction") * k_gravity_mps2 * lever_m);
+}
+double spin_and_slide_s(const ParameterValues& p) { return stopping_s(p) + spinning_s(p); }
+
+std::string incline_leaves_floor(const ParameterValues& p) {
+  const double angle = value_of(p, "angle_rad"), t = value_of(p, "duration_s");
+  const double a = k_gravity_mps2 * (std::sin(angle) - value_of(p, "friction") * std::cos(angle));
+  return leaves_floor(0.5 * a * t * t);
+}
+std::string stop_leaves_floor(const ParameterValues& p) {
+  return leaves_floor(0.5 * value_of(p, "speed_mps") * stopping_s(p));
+}
+std::string ramp_leaves_floor(const ParameterValues& p) {
+  const double t = std::max(0.0, value_of(p, "duration_s") - onset_s(p));
+  return leaves_floor(value_of(p, "rate_nps") * t * t * t / (6.0 * k_mass_kg));
+}
+std::string spin_and_slide_leaves_floor(const ParameterValues& p) {
+  return leaves_floor(value_of(p, "speed_mps") * spin_and_slide_s(p));
+}
+
 std::vector<Parameter> incline_parameters(double angle, double friction, double duration) {
   return with_time({real("angle_rad", "rad", angle, 0.01, 1.2, "inclination"),
                     real("friction", "1", friction, 0.0, 3.0, "coefficient of friction")},
@@ -179,6 +209,8 @@ ExactCase stop_case(std::string id, std::string title, double heading) {
                       {"stop_s", "s", "first sample at rest"},
                       {"speed_mps", "m/s", "one step after half of the stopping time"}},
       .make = make_sliding_stop,
+      .own_time_s = stopping_s,
+      .outside = stop_leaves_floor,
       .threshold = std::nullopt,
       .expected_violation = "a friction box stops the axes one after the other: the way bends"};
 }
@@ -195,6 +227,7 @@ ExactCase incline_slide() {
           .parameters = incline_parameters(0.5, 0.3, 0.5),
           .observables = incline_observables(),
           .make = make_incline,
+          .outside = incline_leaves_floor,
           .threshold = std::nullopt,
           .expected_violation = ""};
 }
@@ -209,6 +242,7 @@ ExactCase incline_creep() {
           .parameters = incline_parameters(0.4, 0.47, 2.0),
           .observables = incline_observables(),
           .make = make_incline,
+          .outside = incline_leaves_floor,
           .threshold = std::nullopt,
           .expected_violation = "regularised friction creeps at a constant speed"};
 }
@@ -228,6 +262,7 @@ ExactCase incline_threshold() {
           .parameters = incline_parameters(0.4, 0.6, 1.0),
           .observables = incline_observables(),
           .make = make_incline,
+          .outside = incline_leaves_floor,
           .threshold = threshold,
           .expected_violation = "creep of regularised friction counts as slip"};
 }
@@ -256,6 +291,8 @@ ExactCase force_ramp() {
           .observables = {{"onset_s", "s", "first sample that moves"},
                           {"speed_mps", "m/s", "at the end"}},
           .make = make_force_ramp,
+          .own_time_s = onset_s,
+          .outside = ramp_leaves_floor,
           .threshold = std::nullopt,
           .expected_violation = "regularised friction moves at once"};
 }
@@ -275,6 +312,7 @@ ExactCase spin_stop() {
                       {"stop_s", "s", "first sample at rest"},
                       {"drift_m", "m", "of the centre"}},
       .make = make_spin_stop,
+      .own_time_s = spinning_s,
       .threshold = std::nullopt,
       .expected_violation = "a friction box gives the corners up to sqrt(2) mu N each"};
 }
@@ -293,6 +331,8 @@ ExactCase spin_and_slide() {
                               0.0005, 1.2),
       .observables = {{"time_ratio", "1", "end of sliding over end of spinning"}},
       .make = make_spin_and_slide,
+      .own_time_s = spin_and_slide_s,
+      .outside = spin_and_slide_leaves_floor,
       .threshold = std::nullopt,
       .expected_violation = "uncoupled friction rows end one motion before the other"};
 }

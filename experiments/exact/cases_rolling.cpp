@@ -12,6 +12,8 @@ using Eigen::Vector3d;
 
 constexpr double k_radius_m = 0.125;
 constexpr double k_mass_kg = 1.5;
+constexpr double k_plank_kg = 4.0;
+const Vector3d k_plank_half_m(2.0, 0.5, 0.0625);
 
 ExactRun ball_on_ground(const ParameterValues& p, double friction, const Vector3d& velocity) {
   ExactRun run = start_run(p);
@@ -82,8 +84,7 @@ ExactRun make_incline(const ParameterValues& p) {
 ExactRun make_plank(const ParameterValues& p) {
   ExactRun run = start_run(p);
   const double force = value_of(p, "force_n");
-  const Vector3d half(2.0, 0.5, 0.0625);
-  constexpr double k_plank_kg = 4.0;
+  const Vector3d& half = k_plank_half_m;
   run.world.law = {.friction = value_of(p, "friction"), .restitution = 0.0};
   run.world.exceptions = {{.surface_a = 0, .surface_b = 1, .law = {}}};
   run.world.bodies = {
@@ -102,6 +103,20 @@ ExactRun make_plank(const ParameterValues& p) {
                 {2.0 / 7.0 * a * t, a * t},
                 {-5.0 / 7.0 * a * t / k_radius_m, a * t / k_radius_m}};
   return run;
+}
+
+double sliding_s(const ParameterValues& p) {
+  return value_of(p, "speed_mps") / (value_of(p, "friction") * k_gravity_mps2);
+}
+
+// The ball keeps rolling while friction can give it 2/7 of the plank's acceleration, and stays on
+// the plank, which stays on the floor.
+std::string plank_outside(const ParameterValues& p) {
+  const double a = value_of(p, "force_n") / (k_plank_kg + 2.0 / 7.0 * k_mass_kg);
+  const double t = value_of(p, "duration_s");
+  if (2.0 / 7.0 * a > value_of(p, "friction") * k_gravity_mps2) return "the ball slips";
+  if (5.0 / 7.0 * 0.5 * a * t * t > k_plank_half_m.x()) return "the ball rolls off the plank";
+  return leaves_floor(0.5 * a * t * t + k_plank_half_m.x());
 }
 
 const Needs k_rolling = {.contacts = Contacts::one, .spheres = true, .friction = true};
@@ -144,6 +159,7 @@ ExactCase slide_to_roll() {
                               0.001, 0.5),
       .observables = rolling_observables(),
       .make = make_slide_to_roll,
+      .own_time_s = sliding_s,
       .threshold = std::nullopt,
       .expected_violation = ""};
 }
@@ -175,6 +191,7 @@ ExactCase ball_on_plank() {
                           {"speed_ball_mps", "m/s", "at the end"},
                           {"spin_ball_radps", "rad/s", "about the axle at the end"}},
           .make = make_plank,
+          .outside = plank_outside,
           .threshold = std::nullopt,
           .expected_violation = ""};
 }

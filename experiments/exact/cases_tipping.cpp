@@ -197,6 +197,9 @@ ExactRun make_free_topple(const ParameterValues& p) {
   return run;
 }
 
+// The spin is read so long after the impact, which takes a step or two.
+constexpr double k_rocking_wait_s = 0.01;
+
 ExactRun make_rocking(const ParameterValues& p) {
   const Pendulum exact;
   const double from = value_of(p, "lean_share") * exact.alpha;
@@ -210,13 +213,38 @@ ExactRun make_rocking(const ParameterValues& p) {
     if (std::isnan(upright) && lean <= 0.0) upright = s.time_s;
     if (std::isnan(upright)) before = std::max(before, spin);
     v[0] = upright;
-    if (s.time_s > upright + 0.01 && std::isnan(v[1])) {
+    if (s.time_s > upright + k_rocking_wait_s && std::isnan(v[1])) {
       v[1] = std::sqrt(spin * spin - exact.spin_squared(0.0, std::abs(lean))) / before;
     }
   };
   const double time = exact.time_s(from, 0.0);
   run.truths = {{time, time}, {1.0 - 1.5 * std::pow(std::sin(exact.alpha), 2), 1.0}};
   return run;
+}
+
+double topple_own_s(const ParameterValues& p) {
+  const Pendulum exact;
+  return exact.time_s(exact.alpha + value_of(p, "beyond_rad"), exact.alpha + 0.6);
+}
+double rocking_own_s(const ParameterValues& p) {
+  const Pendulum exact;
+  return exact.time_s(value_of(p, "lean_share") * exact.alpha, 0.0);
+}
+
+std::string rocking_too_coarse(const ParameterValues& p) {
+  return value_of(p, "step_s") > 0.2 * k_rocking_wait_s
+             ? "the impact's steps last longer than the wait before its spin is read"
+             : "";
+}
+
+// The law is of the impact alone: gravity must not change the brick's motion much meanwhile.
+std::string curb_outside(const ParameterValues& p) {
+  constexpr double k_share = 0.2;
+  const double speed = value_of(p, "speed_mps");
+  if (k_gravity_mps2 * value_of(p, "duration_s") > k_share * speed) {
+    return "gravity changes the velocity by more than a fifth within the run";
+  }
+  return outruns(p, speed, 0.2 * value_of(p, "curb_m"));
 }
 
 Threshold threshold_of(std::string parameter, double (*critical)(const ParameterValues&)) {
@@ -298,6 +326,8 @@ ExactCase curb_impact() {
                                   0.0005, 0.012),
           .observables = {{"spin_radps", "rad/s", "largest spin of the run"}},
           .make = make_curb,
+          .own_time_s = one_step_s,
+          .outside = curb_outside,
           .threshold = std::nullopt,
           .expected_violation = ""};
 }
@@ -315,6 +345,7 @@ ExactCase free_topple() {
           .observables = {{"time_s", "s", "until the lean passes 0.6 rad beyond the balance"},
                           {"spin_radps", "rad/s", "at that lean"}},
           .make = make_free_topple,
+          .own_time_s = topple_own_s,
           .threshold = std::nullopt,
           .expected_violation = ""};
 }
@@ -334,6 +365,8 @@ ExactCase rocking_block() {
           .observables = {{"quarter_period_s", "s", "first sample at or past upright"},
                           {"spin_ratio", "1", "spin after the impact over spin before"}},
           .make = make_rocking,
+          .own_time_s = rocking_own_s,
+          .outside = rocking_too_coarse,
           .threshold = std::nullopt,
           .expected_violation =
               "both edges may take part in the impact (Lipscombe & Pellegrino "

@@ -26,6 +26,21 @@ std::vector<Parameter> with_time(std::vector<Parameter> own, double step_s, doub
   return own;
 }
 
+namespace {
+
+void follow_own_time(const ExactCase& exact_case, ParameterValues& values) {
+  ParameterValues defaults;
+  for (const Parameter& parameter : exact_case.parameters) {
+    defaults[parameter.name] = parameter.default_value;
+  }
+  const double share = exact_case.own_time_s(values) / exact_case.own_time_s(defaults);
+  const double wanted_s = share * value_of(defaults, "duration_s");
+  const auto duration = std::ranges::find(exact_case.parameters, "duration_s", &Parameter::name);
+  values["duration_s"] = std::clamp(wanted_s, duration->minimum, duration->maximum);
+}
+
+}  // namespace
+
 Expected<ParameterValues> complete(const ExactCase& exact_case, const ParameterValues& given) {
   ParameterValues values;
   for (const Parameter& parameter : exact_case.parameters) {
@@ -45,6 +60,9 @@ Expected<ParameterValues> complete(const ExactCase& exact_case, const ParameterV
     }
     values[name] = *number;
   }
+  if (exact_case.own_time_s != nullptr && !given.contains("duration_s")) {
+    follow_own_time(exact_case, values);
+  }
   return values;
 }
 
@@ -55,6 +73,11 @@ double value_of(const ParameterValues& values, std::string_view name) {
 Expected<ExactRun> build(const ExactCase& exact_case, const ParameterValues& given) {
   auto values = complete(exact_case, given);
   if (!values) return tl::unexpected(values.error());
+  if (exact_case.outside != nullptr) {
+    if (const std::string why = exact_case.outside(*values); !why.empty()) {
+      return fail(Fault::invalid, fmt::format("case {} says nothing where {}", exact_case.id, why));
+    }
+  }
   ExactRun run = exact_case.make(*values);
   if (auto ok = validate(run.world); !ok) return tl::unexpected(ok.error());
   return run;

@@ -12,6 +12,7 @@
 #include "adapters/seam/world.hpp"
 #include "experiments/metrics/metric.hpp"
 #include "experiments/scenarios/scenario.hpp"
+#include "experiments/step/stepper.hpp"
 
 namespace brickbench::exact {
 
@@ -42,8 +43,6 @@ struct Truth {
   double scale = 1.0;
 };
 
-// Wrenches (bodies) held during step `step` (0-based), which starts at time_s. The span is zero.
-using Load = std::function<void(std::size_t step, double time_s, std::span<Wrench> wrenches)>;
 // Called for step 0 (initial state) and after each step with the running values (observables), at
 // first NaN. Keeps what it needs in its own captured state: every run works on a copy.
 using Measure = std::function<void(const Sample& sample, std::span<double> values)>;
@@ -102,6 +101,13 @@ struct ExactCase {
   std::vector<Observable> observables;
   // `values` holds every parameter, in range.
   ExactRun (*make)(const ParameterValues& values) = nullptr;
+  // The scene's own time (s) at these values (duration_s aside): the default duration is
+  // proportional to it, so that what the case measures happens within the run. nullptr: the
+  // default is the same everywhere.
+  double (*own_time_s)(const ParameterValues& values) = nullptr;
+  // The domain within the ranges: why the claim says nothing at these values (all of them), as half
+  // a sentence, or empty where it holds. nullptr: it holds over the whole of the ranges.
+  std::string (*outside)(const ParameterValues& values) = nullptr;
   std::optional<Threshold> threshold;
   // What an engine of a given model class is known to do otherwise; empty if every one should
   // comply.
@@ -111,14 +117,15 @@ struct ExactCase {
   std::string (*classify)(std::span<const double> values, const ExactRun& run) = nullptr;
 };
 
-// The values of all parameters, defaults filled in. Fault::invalid for an unknown name, a value out
-// of range or not finite.
+// The values of all parameters, defaults filled in; the duration follows the own time of the case.
+// Fault::invalid for an unknown name, a value out of range or not finite.
 Expected<ParameterValues> complete(const ExactCase& exact_case, const ParameterValues& given = {});
 
 // Numbers of a completed set; the name exists.
 double value_of(const ParameterValues& values, std::string_view name);
 
-// complete() and make, and checks that the world is valid.
+// complete() and make. Fault::invalid as complete(), outside the domain, or if the world is not
+// valid.
 Expected<ExactRun> build(const ExactCase& exact_case, const ParameterValues& given = {});
 
 // A number parameter.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "experiments/step/stepper.hpp"
+
 namespace brickbench::exact {
 namespace {
 
@@ -111,36 +113,52 @@ State taken_back(const State& state, const Symmetry& s) {
   return out;
 }
 
+Scene image(const Scene& scene, const Symmetry& s) {
+  Scene out = scene;
+  out.world = image(scene.world, s);
+  out.length_scale_m *= s.length;
+  const double impulse = s.mass * s.length / s.time;
+  for (Blow& blow : out.blows) {
+    if (s.mirror) {
+      blow.impulse_ns = reflected(blow.impulse_ns);
+      blow.angular_impulse_nms = reflected_spin(blow.angular_impulse_nms);
+    }
+    blow.time_s *= s.time;
+    blow.impulse_ns = s.turn * (impulse * blow.impulse_ns);
+    blow.angular_impulse_nms = s.turn * (impulse * s.length * blow.angular_impulse_nms);
+  }
+  return out;
+}
+
 MetamorphicResult compare_image(const Adapter& adapter, const Settings& settings,
-                                const World& world, const Symmetry& symmetry, std::size_t steps) {
+                                const Scene& scene, const Symmetry& symmetry, std::size_t steps) {
   MetamorphicResult result;
   result.symmetry = symmetry.name;
-  Settings image_settings = settings;
-  image_settings.step_s *= symmetry.time;
-  auto scene = build(adapter, world, settings);
-  auto other = build(adapter, image(world, symmetry), image_settings);
   const auto note = [&](const Failure& failure) {
     result.outcome = to_outcome(failure.fault);
     result.reason = failure.reason;
     return result;
   };
-  if (!scene) return note(scene.error());
-  if (!other) return note(other.error());
-  std::vector<State> a(world.bodies.size()), b(world.bodies.size());
+  Settings image_settings = settings;
+  image_settings.step_s *= symmetry.time;
+  const Scene other = image(scene, symmetry);
+  auto here = Stepper::start(adapter, scene.world, settings, blows_of(scene, settings.step_s));
+  auto there =
+      Stepper::start(adapter, other.world, image_settings, blows_of(other, image_settings.step_s));
+  if (!here) return note(here.error());
+  if (!there) return note(there.error());
   const std::size_t stride = std::max<std::size_t>(1, steps / k_samples);
   for (std::size_t step = 1; step <= steps; ++step) {
-    if (auto ok = (*scene)->step(); !ok) return note(ok.error());
-    if (auto ok = (*other)->step(); !ok) return note(ok.error());
+    if (auto ok = here->advance(); !ok) return note(ok.error());
+    if (auto ok = there->advance(); !ok) return note(ok.error());
     if (step % stride != 0 && step != steps) continue;
-    (*scene)->read(a);
-    (*other)->read(b);
     GrowthSample sample;
-    sample.time_s = static_cast<double>(step) * settings.step_s;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      if (world.bodies[i].fixed) continue;
-      const double away = (a[i].position_m - taken_back(b[i], symmetry).position_m).norm();
-      if (std::isnan(away)) return note({Fault::diverged, "a state is not finite"});
-      sample.difference_m = std::max(sample.difference_m, away);
+    sample.time_s = here->time_s();
+    for (std::size_t i = 0; i < scene.world.bodies.size(); ++i) {
+      if (scene.world.bodies[i].fixed) continue;
+      const State back = taken_back(there->states()[i], symmetry);
+      sample.difference_m =
+          std::max(sample.difference_m, (here->states()[i].position_m - back.position_m).norm());
     }
     result.growth.push_back(sample);
   }

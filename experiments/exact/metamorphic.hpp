@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adapters/seam/adapter.hpp"
+#include "experiments/scenarios/scenario.hpp"
 
 namespace brickbench::exact {
 
@@ -27,8 +28,9 @@ struct Symmetry {
 // which leaves gravity as it is; masses x 1000; and times x 2 alone, which divides gravity by 4.
 std::vector<Symmetry> symmetries();
 
-// The scene's image, and a state of the image taken back to the scene.
+// The image of the world, of the scene with its blows, and a state of the image taken back.
 World image(const World& world, const Symmetry& symmetry);
+Scene image(const Scene& scene, const Symmetry& symmetry);
 State taken_back(const State& state, const Symmetry& symmetry);
 
 struct GrowthSample {
@@ -44,8 +46,8 @@ struct MetamorphicResult {
   double rate_per_s = 0.0;           // d ln(difference)/dt over the samples above rounding; 0: none
 };
 
-// Runs both scenes side by side for `steps` steps.
+// Runs the scene and its image side by side for `steps` steps.
 MetamorphicResult compare_image(const Adapter& adapter, const Settings& settings,
-                                const World& world, const Symmetry& symmetry, std::size_t steps);
+                                const Scene& scene, const Symmetry& symmetry, std::size_t steps);
 
 }  // namespace brickbench::exact

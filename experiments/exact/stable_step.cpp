@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "experiments/step/stepper.hpp"
+
 namespace brickbench::exact {
 namespace {
 
@@ -16,19 +18,18 @@ constexpr double k_ladder = 1.25;
 Expected<std::string> trial(const Adapter& adapter, Settings settings, const World& world,
                             const StableStepSearch& search, double step_s) {
   settings.step_s = step_s;
-  auto simulation = build(adapter, world, settings);
-  if (!simulation) return tl::make_unexpected(simulation.error());
-  std::vector<State> states(world.bodies.size());
+  auto stepper = Stepper::start(adapter, world, settings);
+  if (!stepper) return tl::make_unexpected(stepper.error());
   const auto steps = static_cast<std::size_t>(std::ceil(search.time_s / step_s));
   for (std::size_t step = 1; step <= steps; ++step) {
-    if (auto done = (*simulation)->step(); !done) return done.error().reason;
-    (*simulation)->read(states);
+    if (auto ok = stepper->advance(); !ok) return ok.error().reason;
+    const std::span<const State> states = stepper->states();
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (world.bodies[i].fixed) continue;
       const double drift_m = (states[i].position_m - world.bodies[i].initial.position_m).norm();
       if (drift_m <= search.drift_limit_m) continue;
       return fmt::format("'{}' is {:.2g} m from its start after {:.3g} s", world.bodies[i].name,
-                         drift_m, static_cast<double>(step) * step_s);
+                         drift_m, stepper->time_s());
     }
   }
   return std::string();
@@ -49,16 +50,18 @@ double quarter_of_smallest_m(const World& world) {
   return 0.25 * smallest_m;
 }
 
-StableStep largest_stable_step(const Adapter& adapter, const Settings& settings, const World& world,
+StableStep largest_stable_step(const Adapter& adapter, const Settings& settings, const Scene& scene,
                                const StableStepSearch& search) {
   StableStep result;
+  const World& world = scene.world;
   const bool moves = std::ranges::any_of(world.bodies, [](const Body& body) {
     return body.initial.velocity_mps.norm() > 0.0 ||
            body.initial.angular_velocity_radps.norm() > 0.0;
   });
-  if (moves) {
+  if (moves || !scene.blows.empty()) {
     result.outcome = to_outcome(Fault::invalid);
-    result.reason = "a body starts with a velocity: only scenes at rest have a stable step";
+    result.reason = moves ? "a body starts with a velocity: only scenes at rest have a stable step"
+                          : "a blow sets a body in motion: only scenes at rest have a stable step";
     return result;
   }
   // Whether the scene stays with this step; notes the largest that held and the last that failed.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "adapters/seam/adapter.hpp"
+#include "experiments/scenarios/scenario.hpp"
 
 namespace brickbench::exact {
 
@@ -29,8 +30,8 @@ double quarter_of_smallest_m(const World& world);
 
 // Steps grow by a quarter from first_s on until one fails, or shrink until one holds; the bracket
 // is then bisected. Stability need not be monotone: the answer is the first failure on that ladder.
-// The bodies must start at rest: Fault::invalid as outcome otherwise.
-StableStep largest_stable_step(const Adapter& adapter, const Settings& settings, const World& world,
+// The bodies must start at rest and stay so, without blows: Fault::invalid as outcome otherwise.
+StableStep largest_stable_step(const Adapter& adapter, const Settings& settings, const Scene& scene,
                                const StableStepSearch& search);
 
 }  // namespace brickbench::exact

@@ -34,43 +34,14 @@ Expected<void> check_audit(const Adapter& adapter, const Settings& settings, con
   return fail(Fault::invalid, fmt::format("{}", fmt::join(differences, "; ")));
 }
 
-struct Live {
-  std::unique_ptr<Simulation> simulation;
-  std::vector<State> states;
-  std::vector<Wrench> wrenches;
-  std::vector<Contact> contacts;
-  bool tells_contacts = false;
-
-  Sample sample(std::size_t step, double step_s) const {
-    return {.step = step,
-            .time_s = static_cast<double>(step) * step_s,
-            .states = states,
-            .wrenches = wrenches,
-            .contacts = tells_contacts ? &contacts : nullptr,
-            .diagnostics = {}};
-  }
-};
-
-Expected<std::vector<double>> play(Live& live, const ExactCase& exact_case, const ExactRun& run) {
+Expected<std::vector<double>> play(Stepper& stepper, const ExactCase& exact_case,
+                                   const ExactRun& run) {
+  const bool forces = exact_case.needs.contact_forces;
   Recorder recorder(run, exact_case.observables.size());
-  const ContactView* view =
-      exact_case.needs.contact_forces ? live.simulation->contact_view() : nullptr;
-  live.simulation->read(live.states);
-  recorder.see(live.sample(0, run.step_s));
-  live.tells_contacts = view != nullptr;
-  for (std::size_t step = 0; step < run.steps; ++step) {
-    if (run.load) {
-      std::ranges::fill(live.wrenches, Wrench{});
-      run.load(step, static_cast<double>(step) * run.step_s, live.wrenches);
-      live.simulation->apply(live.wrenches);
-    }
-    if (auto ok = live.simulation->step(); !ok) return tl::unexpected(ok.error());
-    live.simulation->read(live.states);
-    if (!std::ranges::all_of(live.states, is_finite)) {
-      return fail(Fault::diverged, fmt::format("a state is not finite after step {}", step + 1));
-    }
-    if (view != nullptr) view->contacts(live.contacts);
-    recorder.see(live.sample(step + 1, run.step_s));
+  recorder.see(stepper.sample(forces));
+  while (stepper.done() < run.steps) {
+    if (auto ok = stepper.advance(); !ok) return tl::unexpected(ok.error());
+    recorder.see(stepper.sample(forces));
   }
   return recorder.values();
 }
@@ -84,6 +55,11 @@ Score make_score(const Observable& observable, const Truth& truth) {
   return score;
 }
 
+void note(const Failure& failure, CellResult& cell) {
+  cell.outcome = failure.fault == Fault::invalid ? "audit" : to_outcome(failure.fault);
+  cell.reason = failure.reason;
+}
+
 // Halves the bracket until it is k_threshold_width of the critical value wide.
 Expected<Bracket> bisect(const Adapter& adapter, const std::string& variant,
                          const ExactCase& exact_case, const ParameterValues& given,
@@ -92,12 +68,12 @@ Expected<Bracket> bisect(const Adapter& adapter, const std::string& variant,
   const ParameterValues values = complete(exact_case, given).value();
   Bracket bracket;
   bracket.parameter = threshold.parameter;
-  for (const Parameter& parameter : exact_case.parameters) {
-    if (parameter.name == threshold.parameter) bracket.unit = parameter.unit;
-  }
+  const Parameter& searched =
+      *std::ranges::find(exact_case.parameters, threshold.parameter, &Parameter::name);
+  bracket.unit = searched.unit;
   bracket.truth = threshold.critical(values);
-  bracket.low = bracket.truth * threshold.low_factor;
-  bracket.high = bracket.truth * threshold.high_factor;
+  bracket.low = std::max(searched.minimum, bracket.truth * threshold.low_factor);
+  bracket.high = std::min(searched.maximum, bracket.truth * threshold.high_factor);
   const auto happens = [&](double value) -> Expected<bool> {
     ParameterValues at = given;
     at[threshold.parameter] = value;
@@ -133,7 +109,10 @@ bool CellResult::failed() const {
 std::optional<double> CellResult::worst_unexplained() const {
   std::optional<double> worst;
   for (const Score& score : scores) {
-    if (score.unexplained) worst = std::max(worst.value_or(0.0), *score.unexplained);
+    if (!score.unexplained) continue;
+    // What is not a number stays: it is within no bound.
+    const double so_far = worst.value_or(0.0);
+    worst = std::isnan(so_far) || *score.unexplained <= so_far ? so_far : *score.unexplained;
   }
   return worst;
 }
@@ -178,34 +157,30 @@ Expected<std::vector<double>> measure(const Adapter& adapter, const std::string&
                                       const ExactCase& exact_case, const ExactRun& run,
                                       const KnobValues& knobs) {
   const Settings settings = settings_of(adapter, variant, run, knobs);
-  auto built = brickbench::build(adapter, run.world, settings);
-  if (!built) return tl::unexpected(built.error());
-  if (auto ok = check_audit(adapter, settings, run.world, **built); !ok) {
+  auto stepper = Stepper::start(adapter, run.world, settings, run.load);
+  if (!stepper) return tl::unexpected(stepper.error());
+  if (auto ok = check_audit(adapter, settings, run.world, stepper->simulation()); !ok) {
     return tl::unexpected(ok.error());
   }
-  Live live;
-  live.simulation = std::move(*built);
-  live.states.resize(run.world.bodies.size());
-  live.wrenches.resize(run.world.bodies.size());
-  return play(live, exact_case, run);
+  return play(*stepper, exact_case, run);
 }
 
-CellResult validate(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
-                    const ParameterValues& given, const KnobValues& knobs) {
+CellResult validate_at(const Adapter& adapter, const std::string& variant,
+                       const ExactCase& exact_case, const ParameterValues& given,
+                       const KnobValues& knobs) {
   CellResult cell;
-  const auto note = [&](const Failure& failure) {
-    cell.outcome = failure.fault == Fault::invalid ? "audit" : to_outcome(failure.fault);
-    cell.reason = failure.reason;
-  };
+  cell.engine = adapter.name;
+  cell.variant = variant.empty() ? adapter.variants.front().name : variant;
+  cell.case_id = exact_case.id;
   const auto run = build(exact_case, given);
   if (!run) {
-    note(run.error());
+    note(run.error(), cell);
     return cell;
   }
   cell = predict(adapter, variant, exact_case, *run, knobs);
   const auto measured = measure(adapter, variant, exact_case, *run, knobs);
   if (!measured) {
-    note(measured.error());
+    note(measured.error(), cell);
     return cell;
   }
   for (std::size_t i = 0; i < cell.scores.size(); ++i) {
@@ -217,13 +192,18 @@ CellResult validate(const Adapter& adapter, const std::string& variant, const Ex
     }
   }
   if (exact_case.classify != nullptr) cell.law = exact_case.classify(*measured, *run);
-  if (exact_case.threshold) {
-    const auto bracket = bisect(adapter, variant, exact_case, given, knobs);
-    if (!bracket) {
-      note(bracket.error());
-      return cell;
-    }
+  return cell;
+}
+
+CellResult validate(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
+                    const ParameterValues& given, const KnobValues& knobs) {
+  CellResult cell = validate_at(adapter, variant, exact_case, given, knobs);
+  if (cell.outcome != "ok" || !exact_case.threshold) return cell;
+  const auto bracket = bisect(adapter, variant, exact_case, given, knobs);
+  if (bracket) {
     cell.bracket = *bracket;
+  } else {
+    note(bracket.error(), cell);
   }
   return cell;
 }

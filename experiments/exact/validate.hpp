@@ -71,7 +71,12 @@ Settings settings_of(const Adapter& adapter, const std::string& variant, const E
 CellResult predict(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
                    const ExactRun& run, const KnobValues& knobs = {});
 
-// Builds, audits, runs, measures; bisects where the case has a threshold.
+// Builds, audits, runs, measures at the given values.
+CellResult validate_at(const Adapter& adapter, const std::string& variant,
+                       const ExactCase& exact_case, const ParameterValues& given,
+                       const KnobValues& knobs = {});
+
+// ... and bisects where the case has a threshold.
 CellResult validate(const Adapter& adapter, const std::string& variant, const ExactCase& exact_case,
                     const ParameterValues& given = {}, const KnobValues& knobs = {});
 

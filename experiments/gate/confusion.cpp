@@ -1,19 +1,17 @@
 #include "experiments/gate/confusion.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <exception>
 #include <vector>
+
+#include "experiments/step/stepper.hpp"
 
 namespace brickbench::gate {
 namespace {
 
 constexpr double k_moved_share = 0.2;  // of a brick's smallest edge
 
-Expected<bool> has_moved(const World& world, std::span<const State> states) {
+bool has_moved(const World& world, std::span<const State> states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
-    if (!is_finite(states[i])) return fail(Fault::diverged, "a state is not finite");
     const auto* box = std::get_if<BoxShape>(&world.bodies[i].shape);
     if (box == nullptr) continue;
     const double limit_m = 2.0 * k_moved_share * box->half_extents_m.minCoeff();
@@ -26,21 +24,16 @@ Expected<bool> has_moved(const World& world, std::span<const State> states) {
 }  // namespace
 
 Expected<bool> moves(const Adapter& adapter, const Settings& settings, const World& world,
-                     std::size_t steps) try {
+                     std::size_t steps) {
   const std::size_t pause = std::max<std::size_t>(1, steps / 20);
-  auto simulation = build(adapter, world, settings);
-  if (!simulation) return tl::unexpected(simulation.error());
-  std::vector<State> states(world.bodies.size());
-  for (std::size_t step = 1; step <= steps; ++step) {
-    if (auto ok = (*simulation)->step(); !ok) return tl::unexpected(ok.error());
-    if (step % pause != 0 && step != steps) continue;
-    (*simulation)->read(states);
-    const auto moved = has_moved(world, states);
-    if (!moved || *moved) return moved;
+  auto stepper = Stepper::start(adapter, world, settings);
+  if (!stepper) return tl::unexpected(stepper.error());
+  while (stepper->done() < steps) {
+    if (auto ok = stepper->advance(); !ok) return tl::unexpected(ok.error());
+    if (stepper->done() % pause != 0 && stepper->done() != steps) continue;
+    if (has_moved(world, stepper->states())) return true;
   }
   return false;
-} catch (const std::exception& error) {
-  return fail(Fault::crashed, fmt::format("an exception left the engine: {}", error.what()));
 }
 
 Confusion confusion(const Adapter& adapter, const Settings& settings,

@@ -1,13 +1,12 @@
 #include "experiments/gate/defect_map.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <exception>
+#include <span>
 
 #include "experiments/gate/contact_candidates.hpp"
 #include "experiments/metrics/mechanics.hpp"
+#include "experiments/step/stepper.hpp"
 
 namespace brickbench::gate {
 namespace {
@@ -39,8 +38,7 @@ void name_contact(const World& world, const std::vector<State>& before, StepDefe
   }
 }
 
-StepDefect compare_states(const World& world, const std::vector<State>& a,
-                          const std::vector<State>& b) {
+StepDefect compare_states(const World& world, std::span<const State> a, std::span<const State> b) {
   StepDefect defect;
   double square = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -55,17 +53,20 @@ StepDefect compare_states(const World& world, const std::vector<State>& a,
   return defect;
 }
 
+// The wrenches that A felt in the same steps.
+Load wrenches_of(const Recording& recording) {
+  return [&recording](std::size_t step, double, std::span<Wrench> wrenches) {
+    std::ranges::copy(recording.wrenches[step], wrenches.begin());
+  };
+}
+
 }  // namespace
 
 Expected<DefectMap> defect_map(const Adapter& b, const Settings& settings, const Scene& scene,
-                               const Recording& recording, std::size_t stride, double share) try {
+                               const Recording& recording, std::size_t stride, double share) {
   const World& world = scene.world;
-  auto simulation = build(b, world, settings);
-  if (!simulation) return tl::unexpected(simulation.error());
-  StateView* view = (*simulation)->state_view();
-  if (view == nullptr) {
-    return fail(Fault::unsupported, fmt::format("engine {} does not take states", b.name));
-  }
+  auto stepper = Stepper::start(b, world, settings, wrenches_of(recording));
+  if (!stepper) return tl::unexpected(stepper.error());
   DefectMap map;
   double lightest_kg = HUGE_VAL;
   for (const Body& body : world.bodies) {
@@ -73,14 +74,11 @@ Expected<DefectMap> defect_map(const Adapter& b, const Settings& settings, const
   }
   map.threshold_ns =
       share * lightest_kg * std::max(1.0, world.gravity_mps2.norm()) * settings.step_s;
-  std::vector<State> states(world.bodies.size());
   for (std::size_t step = 1; step < recording.states.size(); step += stride) {
     const std::vector<State>& before = recording.states[step - 1];
-    if (auto ok = view->set_state(before); !ok) return tl::unexpected(ok.error());
-    (*simulation)->apply(recording.wrenches[step - 1]);
-    if (auto ok = (*simulation)->step(); !ok) return tl::unexpected(ok.error());
-    (*simulation)->read(states);
-    StepDefect defect = compare_states(world, recording.states[step], states);
+    if (auto ok = stepper->resume(before, step - 1); !ok) return tl::unexpected(ok.error());
+    if (auto ok = stepper->advance(); !ok) return tl::unexpected(ok.error());
+    StepDefect defect = compare_states(world, recording.states[step], stepper->states());
     defect.step = step;
     defect.time_s = static_cast<double>(step) * settings.step_s;
     name_contact(world, before, defect);
@@ -90,8 +88,6 @@ Expected<DefectMap> defect_map(const Adapter& b, const Settings& settings, const
       map.steps, [&](const StepDefect& d) { return !(d.total_ns <= map.threshold_ns); });
   map.first = static_cast<std::size_t>(first - map.steps.begin());
   return map;
-} catch (const std::exception& error) {
-  return fail(Fault::crashed, fmt::format("an exception left the engine: {}", error.what()));
 }
 
 }  // namespace brickbench::gate

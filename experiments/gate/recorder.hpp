@@ -15,10 +15,7 @@ struct Recording {
   std::vector<std::vector<Wrench>> wrenches;  // (steps, bodies), held during the step
 };
 
-// What the blows of the scene apply during step number `step` (from 1), as a run of a cell does.
-std::vector<Wrench> wrenches_at(const Scene& scene, double step_s, std::size_t step);
-
-// Fails as the engine fails, or with Fault::diverged.
+// With the blows of the scene, as a run of a cell. Fails as Stepper does.
 Expected<Recording> record(const Adapter& adapter, const Settings& settings, const Scene& scene,
                            std::size_t steps);
 

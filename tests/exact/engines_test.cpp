@@ -3,40 +3,37 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 
 #include "adapters/catalog.hpp"
 #include "experiments/exact/builders.hpp"
 #include "experiments/exact/metamorphic.hpp"
+#include "experiments/exact/scan.hpp"
 #include "experiments/exact/validate.hpp"
 #include "tests/exact/random_parameters.hpp"
 
 namespace brickbench::exact {
 namespace {
 
-// Cells that are known to exceed their bound: published as open questions, one per line, with the
-// engine, the variant and the case in the first columns.
-std::set<std::string> open_questions() {
+// Cells that are known to exceed their bound, published as open questions.
+std::vector<OpenQuestion> open_questions() {
+  return read_open_questions("reference_data/predictions/open_questions.csv").value();
+}
+
+// Those at the cases' own values.
+std::set<std::string> open_cells() {
   std::set<std::string> open;
-  std::ifstream file("reference_data/predictions/open_questions.csv");
-  std::string line;
-  while (std::getline(file, line)) {
-    std::stringstream fields(line);
-    std::string engine, variant, id;
-    std::getline(fields, engine, ',');
-    std::getline(fields, variant, ',');
-    std::getline(fields, id, ',');
-    open.insert(engine + "/" + variant + " " + id);
+  for (const OpenQuestion& question : open_questions()) {
+    if (!question.region.at_defaults) continue;
+    open.insert(question.engine + "/" + question.variant + " " + question.case_id);
   }
   return open;
 }
 
 // A cell beyond its bound must be listed, and a listed one must be beyond it: nothing is hidden.
 TEST(Engines, FollowTheirSchemesWithinTheBounds) {
-  const std::set<std::string> open = open_questions();
+  const std::set<std::string> open = open_cells();
   ASSERT_FALSE(open.empty());
   int held = 0;
   for (const Adapter& adapter : adapters()) {
@@ -59,6 +56,27 @@ TEST(Engines, FollowTheirSchemesWithinTheBounds) {
   EXPECT_GT(held, 0);
 }
 
+// One drawing of every family in every engine: what fails must be listed with its region.
+TEST(Engines, FollowTheirSchemesOverTheDomains) {
+  constexpr std::uint64_t k_seed = 1;
+  const std::vector<OpenQuestion> questions = open_questions();
+  for (const ExactCase& exact_case : exact_cases()) {
+    const ParameterValues given = drawings_of(exact_case, k_seed, 1).inside.at(0);
+    const ExactRun run = build(exact_case, given).value();
+    for (const Adapter& adapter : adapters()) {
+      for (const Variant& variant : adapter.variants) {
+        if (!predict(adapter, variant.name, exact_case, run).no_prediction.empty()) continue;
+        const CellResult cell = validate_at(adapter, variant.name, exact_case, given);
+        const OpenQuestion* question =
+            question_of(questions, cell, exact_case, complete(exact_case, given).value());
+        EXPECT_NE(verdict_of(cell, question), Verdict::failed)
+            << adapter.name << '/' << variant.name << ' ' << exact_case.id << ": " << cell.outcome
+            << ' ' << cell.reason << ", unexplained " << cell.worst_unexplained().value_or(0.0);
+      }
+    }
+  }
+}
+
 // The same blow with the bodies in the opposite order: schemes that serve rows in an order may
 // answer otherwise, but not otherwise than they say.
 TEST(Engines, AnswerTheCradleHitFromTheOtherEndAsPredicted) {
@@ -66,7 +84,7 @@ TEST(Engines, AnswerTheCradleHitFromTheOtherEndAsPredicted) {
   ExactRun run = build(cradle).value();
   std::ranges::reverse(run.world.bodies);
   run.geometry = sphere_row_contact({0, 1, 2}, 0.25);
-  const std::set<std::string> asked = open_questions();
+  const std::set<std::string> asked = open_cells();
   for (const Adapter& adapter : adapters()) {
     for (const Variant& variant : adapter.variants) {
       const CellResult cell = predict(adapter, variant.name, cradle, run);
@@ -86,26 +104,18 @@ TEST(Engines, AnswerTheCradleHitFromTheOtherEndAsPredicted) {
 
 // An open question may say which setting of the engine makes it go away: its explanation, tested.
 TEST(Engines, AnswerOpenQuestionsWithTheSettingThatExplainsThem) {
-  std::ifstream file("reference_data/predictions/open_questions.csv");
-  std::string line;
-  std::getline(file, line);
-  ASSERT_EQ(line, "engine,variant,case,date,gone_with,question");
-  while (std::getline(file, line)) {
-    std::stringstream fields(line);
-    std::string engine, variant, id, date, knob;
-    std::getline(fields, engine, ',');
-    std::getline(fields, variant, ',');
-    std::getline(fields, id, ',');
-    std::getline(fields, date, ',');
-    std::getline(fields, knob, ',');
-    const auto all = adapters();
-    const auto adapter = std::ranges::find(all, engine, &Adapter::name);
-    if (adapter == all.end() || knob.empty()) continue;
+  const auto all = adapters();
+  for (const OpenQuestion& question : open_questions()) {
+    const std::string& knob = question.gone_with;
+    const auto adapter = std::ranges::find(all, question.engine, &Adapter::name);
+    if (adapter == all.end() || knob.empty() || !question.region.at_defaults) continue;
     const std::size_t sign = knob.find('=');
     const KnobValues knobs = {{knob.substr(0, sign), std::stod(knob.substr(sign + 1))}};
-    const auto cell = exact::validate(*adapter, variant, testing::find_case(id), {}, knobs);
+    const auto cell = exact::validate(*adapter, question.variant,
+                                      testing::find_case(question.case_id), {}, knobs);
     EXPECT_TRUE(cell.outcome == "ok" && !cell.failed())
-        << line << ": unexplained " << cell.worst_unexplained().value_or(-1.0) << cell.reason;
+        << cell.engine << '/' << cell.variant << ' ' << cell.case_id << ": unexplained "
+        << cell.worst_unexplained().value_or(-1.0) << cell.reason;
   }
 }
 
@@ -154,13 +164,14 @@ TEST(Engines, HoldTheFactsOfEveryWorld) {
 
 // Without contact, every image of a scene moves like the scene, to rounding.
 TEST(Engines, MoveImagesOfFreeFlightAlike) {
-  const World world = build(testing::find_case("free_flight.projectile")).value().world;
+  Scene scene;
+  scene.world = build(testing::find_case("free_flight.projectile")).value().world;
   for (const Adapter& adapter : adapters()) {
     Settings settings;
     settings.step_s = 0.001;
     settings.variant = adapter.variants.front().name;
     for (const Symmetry& symmetry : symmetries()) {
-      const auto result = compare_image(adapter, settings, world, symmetry, 500);
+      const auto result = compare_image(adapter, settings, scene, symmetry, 500);
       EXPECT_EQ(result.outcome, "ok") << adapter.name << " " << symmetry.name << result.reason;
       if (result.growth.empty()) continue;
       EXPECT_LT(result.growth.back().difference_m, 1e-11) << adapter.name << " " << symmetry.name;
@@ -191,7 +202,9 @@ TEST(Engines, MoveShiftedImpactsAlikeUnlessRoundingChoosesTheStep) {
       Settings settings;
       settings.step_s = 0.002;
       settings.variant = variant.name;
-      const auto result = compare_image(adapter, settings, bricks_that_meet(0.303), shift, 250);
+      Scene scene;
+      scene.world = bricks_that_meet(0.303);
+      const auto result = compare_image(adapter, settings, scene, shift, 250);
       if (result.outcome == "refused") continue;
       ASSERT_EQ(result.outcome, "ok") << adapter.name << '/' << variant.name << result.reason;
       EXPECT_LT(result.growth.back().difference_m, k_same_impact_m)

@@ -177,7 +177,8 @@ TEST(StableStep, BracketHoldsTheLimit) {
                      const Settings& settings) -> Expected<std::unique_ptr<Simulation>> {
     return std::make_unique<Holder>(world, settings.step_s);
   };
-  World world;
+  Scene scene;
+  World& world = scene.world;
   world.bodies.push_back(solid_body("brick", BoxShape{{0.1, 0.05, 0.05}}, 2000.0, State{}));
   StableStepSearch search;
   search.drift_limit_m = quarter_of_smallest_m(world);
@@ -186,7 +187,7 @@ TEST(StableStep, BracketHoldsTheLimit) {
   settings.variant = "holder";
   for (const double first_s : {1e-3, 0.1}) {
     search.first_s = first_s;
-    const StableStep found = largest_stable_step(adapter, settings, world, search);
+    const StableStep found = largest_stable_step(adapter, settings, scene, search);
     EXPECT_EQ(found.outcome, "ok") << found.reason;
     EXPECT_LE(found.stable_s, k_limit_s);
     EXPECT_GT(found.unstable_s, k_limit_s);
@@ -194,7 +195,10 @@ TEST(StableStep, BracketHoldsTheLimit) {
     EXPECT_NE(found.failure.find("'brick' is 1 m"), std::string::npos) << found.failure;
   }
   world.bodies[0].initial.velocity_mps.x() = 1.0;
-  EXPECT_NE(largest_stable_step(adapter, settings, world, search).outcome, "ok");
+  EXPECT_NE(largest_stable_step(adapter, settings, scene, search).outcome, "ok");
+  world.bodies[0].initial.velocity_mps.x() = 0.0;
+  scene.blows.push_back({.body = 0, .impulse_ns = {1.0, 0.0, 0.0}});
+  EXPECT_NE(largest_stable_step(adapter, settings, scene, search).outcome, "ok");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include <regex>
 
 #include "adapters/catalog.hpp"
+#include "experiments/exact/open_questions.hpp"
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/run/cell.hpp"
@@ -208,8 +210,115 @@ TEST_F(Program, ValidateDrawsCasesAndRefusesUnknownKnobs) {
   EXPECT_NE(name.err.find("no_such_knob"), std::string::npos) << name.err;
 }
 
+// A cell that fails is known where the list names it, and new where it does not.
+TEST_F(Program, ValidateTellsKnownFailuresFromNewOnes) {
+  const auto questions =
+      exact::read_open_questions("reference_data/predictions/open_questions.csv");
+  ASSERT_TRUE(questions) << questions.error().reason;
+  const auto all = adapters();
+  const auto listed = std::ranges::find_if(*questions, [&](const exact::OpenQuestion& question) {
+    return question.region.at_defaults &&
+           std::ranges::find(all, question.engine, &Adapter::name) != all.end();
+  });
+  if (listed == questions->end()) GTEST_SKIP() << "no engine with an open question is linked";
+  const std::string cell =
+      "validate --engine " + listed->engine + '/' + listed->variant + " --case " + listed->case_id;
+  const Answer known = ask(cell);
+  EXPECT_EQ(known.code, 0) << known.out << known.err;
+  EXPECT_NE(known.out.find(" known "), std::string::npos) << known.out;
+  EXPECT_NE(known.out.find(listed->question), std::string::npos) << known.out;
+  const std::string none = put("none.csv", "engine,variant,case,where,date,gone_with,question\n");
+  const Answer unknown = ask(cell + " --questions " + none);
+  EXPECT_EQ(unknown.code, 1) << unknown.out << unknown.err;
+  EXPECT_NE(unknown.out.find(" FAILED "), std::string::npos) << unknown.out;
+  EXPECT_EQ(ask(cell + " --questions " + put("bad.csv", "engine\n")).code, 2);
+}
+
+// Every failure of a scan comes with a command that shows the same cell again, to the bit.
+TEST_F(Program, ValidateScansCasesAndItsCommandsReproduce) {
+  const auto known = adapters();
+  if (std::ranges::none_of(known, &Adapter::own)) GTEST_SKIP() << "no engine of ours is linked";
+  const std::string engine = std::ranges::find(known, true, &Adapter::own)->name;
+  const std::string scan = "validate --engine " + engine +
+                           " --case impact.small_on_big --knob tolerance=1e-2 --scan 3 --seed 7";
+  const Answer answer = ask(scan + " --json");
+  ASSERT_EQ(answer.code, 1) << answer.out << answer.err;
+  EXPECT_EQ(ask(scan + " --json").out, answer.out);
+  EXPECT_EQ(ask(scan).code, 1);
+  const auto json = nlohmann::json::parse(answer.out);
+  EXPECT_EQ(json["count"], 3);
+  EXPECT_EQ(json["cases"][0]["inside"], 3);
+  ASSERT_FALSE(json["cells"].empty());
+  for (const auto& cell : json["cells"]) {
+    const std::string command = cell["reproduce"];
+    ASSERT_TRUE(command.starts_with("brickbench validate "));
+    const Answer again = ask(command.substr(std::string("brickbench ").size()) + " --json");
+    EXPECT_EQ(again.code, 1) << command;
+    const auto shown = nlohmann::json::parse(again.out)["cells"][0];
+    EXPECT_EQ(shown["scores"], cell["scores"]) << command;
+    EXPECT_EQ(shown["parameters"], cell["parameters"]) << command;
+  }
+}
+
+TEST_F(Program, ValidateRefusesWhatDoesNotGoTogether) {
+  const std::string corner = "validate --case impact.corner --parameter ";
+  for (const std::string& wrong :
+       {std::string("validate --scan 2 --order"), std::string("validate --scan 2 --predict"),
+        std::string("validate --parameter speed_mps=1"), corner + "speed_mps=1 --scan 2",
+        corner + "speed=1", corner + "speed_mps=1e9",
+        corner + "speed_mps=20 --parameter step_s=0.1",
+        std::string("validate --symmetry all --knob iterations=1"),
+        std::string("validate --scan 2 --out ") + path("scan")}) {
+    const Answer answer = ask(wrong);
+    EXPECT_EQ(answer.code, 2) << wrong << answer.out;
+    EXPECT_FALSE(answer.err.empty()) << wrong;
+  }
+  // A drawing outside the domain of its case is told with its reason.
+  const Answer outside = ask(corner + "speed_mps=20 --parameter step_s=0.1");
+  EXPECT_NE(outside.err.find("a step of the approach"), std::string::npos) << outside.err;
+  EXPECT_FALSE(fs::exists(folder_ / "scan"));
+}
+
+// The page of the program names every verb and every option of it, and nothing else.
+TEST_F(Program, PageOfTheProgramNamesEveryVerbAndOption) {
+  const auto verbs = nlohmann::json::parse(ask("list verbs --json").out);
+  EXPECT_GE(verbs.size(), 12u);
+  std::string expected;
+  for (const auto& verb : verbs) {
+    expected += "### " + verb["id"].get<std::string>() + '\n';
+    const Answer help = ask(verb["id"].get<std::string>() + " --help");
+    EXPECT_EQ(help.code, 0);
+    for (const auto& option : verb["options"]) {
+      const std::string id = option["id"];
+      EXPECT_NE(help.out.find(id), std::string::npos) << verb["id"] << ' ' << id;
+      expected += id + '\n';
+    }
+  }
+  const std::string page = *read_file("docs/cli.md");
+  const std::regex entry("(^|\n)(### [^\n]+|\\| `(-?-?[a-zA-Z][a-z-]*)[^|]*\\|)");
+  std::string found;
+  const std::size_t from = page.find("<!-- BEGIN verbs -->"), to = page.find("<!-- END verbs -->");
+  ASSERT_NE(to, std::string::npos);
+  const std::string part = page.substr(from, to - from);
+  for (std::sregex_iterator it(part.begin(), part.end(), entry), end; it != end; ++it) {
+    found += ((*it)[3].matched ? (*it)[3].str() : (*it)[2].str()) + '\n';
+  }
+  EXPECT_EQ(found, expected) << "scripts/splice-cli.sh makes this part of the page anew";
+}
+
+// What the pages say of numbers of the engines is what the engines have.
+TEST_F(Program, PageOfChoicesTellsTheSubStepOfOurs) {
+  const std::string page = *read_file("docs/bias.md");
+  for (const Adapter& adapter : adapters()) {
+    const auto knob = std::ranges::find(adapter.knobs, "substep_s", &Knob::name);
+    if (!adapter.own || knob == adapter.knobs.end()) continue;
+    const std::string told = "1/" + shortest(std::round(1.0 / knob->engine_default)) + " s";
+    EXPECT_NE(page.find(told + " (knob `substep_s`)"), std::string::npos) << told;
+  }
+}
+
 TEST_F(Program, ListsAreArraysOfObjectsWithIds) {
-  for (const char* what : {"engines", "scenarios", "metrics", "plans"}) {
+  for (const char* what : {"engines", "scenarios", "metrics", "plans", "verbs", "cases"}) {
     const Answer answer = ask(std::string("list ") + what + " --json");
     ASSERT_EQ(answer.code, 0) << what;
     const auto json = nlohmann::json::parse(answer.out);

@@ -1,0 +1,117 @@
+#include "experiments/step/stepper.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <new>
+
+namespace brickbench {
+namespace {
+
+// This share of a step covers the rounding of time / step of a blow at a step's border.
+constexpr double k_blow_rounding = 1e-9;
+
+// Calls into the engine; what it throws becomes a value.
+template <typename Call>
+Expected<void> guarded(std::size_t step, const Call& call) {
+  try {
+    return call();
+  } catch (const std::bad_alloc&) {
+    return fail(Fault::out_of_memory, fmt::format("the engine ran out of memory in step {}", step));
+  } catch (const std::exception& error) {
+    return fail(Fault::crashed, fmt::format("the engine threw in step {}: {}", step, error.what()));
+  } catch (...) {
+    return fail(Fault::crashed, fmt::format("the engine threw in step {}", step));
+  }
+}
+
+}  // namespace
+
+Load blows_of(const Scene& scene, double step_s) {
+  return [&scene, step_s](std::size_t step, double, std::span<Wrench> wrenches) {
+    for (const Blow& blow : scene.blows) {
+      if (std::floor(blow.time_s / step_s + k_blow_rounding) != static_cast<double>(step)) continue;
+      wrenches[blow.body].force_n += blow.impulse_ns / step_s;
+      wrenches[blow.body].torque_nm += blow.angular_impulse_nms / step_s;
+    }
+  };
+}
+
+Stepper::Stepper(const World& world, const Settings& settings, Load load)
+    : world_(&world),
+      step_s_(settings.step_s),
+      load_(std::move(load)),
+      states_(world.bodies.size()),
+      wrenches_(world.bodies.size()) {}
+
+Expected<Stepper> Stepper::start(const Adapter& adapter, const World& world,
+                                 const Settings& settings, Load load) {
+  Stepper stepper(world, settings, std::move(load));
+  StepClock build_clock;
+  build_clock.start();
+  auto built = build(adapter, world, settings);
+  build_clock.stop();
+  if (!built) return tl::unexpected(built.error());
+  stepper.build_cpu_s_ = build_clock.total_s();
+  stepper.simulation_ = std::move(*built);
+  stepper.simulation_->read(stepper.states_);
+  return stepper;
+}
+
+Expected<void> Stepper::advance() {
+  std::ranges::fill(wrenches_, Wrench{});
+  if (load_) load_(done_, time_s(), wrenches_);
+  ++done_;
+  if (auto stepped = guarded(done_, [&] { return step_once(); }); !stepped) return stepped;
+  return check_finite();
+}
+
+Expected<void> Stepper::step_once() {
+  simulation_->apply(wrenches_);
+  clock_.start();
+  auto result = simulation_->step();
+  clock_.stop();
+  if (!result) {
+    return fail(result.error().fault,
+                fmt::format("step {} ({} s): {}", done_, time_s(), result.error().reason));
+  }
+  simulation_->read(states_);
+  return {};
+}
+
+Expected<void> Stepper::check_finite() const {
+  const auto bad = std::ranges::find_if_not(states_, is_finite);
+  if (bad == states_.end()) return {};
+  const Body& body = world_->bodies[static_cast<std::size_t>(bad - states_.begin())];
+  return fail(Fault::diverged, fmt::format("body '{}' is not finite after step {} ({} s)",
+                                           body.name, done_, time_s()));
+}
+
+Expected<void> Stepper::resume(std::span<const State> states, std::size_t done) {
+  StateView* view = simulation_->state_view();
+  if (view == nullptr) return fail(Fault::unsupported, "the engine does not take states");
+  done_ = done;
+  std::ranges::copy(states, states_.begin());
+  return guarded(done_, [&] { return view->set_state(states); });
+}
+
+Sample Stepper::sample(bool with_contacts) {
+  Sample sample;
+  sample.step = done_;
+  sample.time_s = time_s();
+  sample.states = states_;
+  sample.wrenches = wrenches_;
+  if (done_ == 0) return sample;
+  if (const ContactView* view = with_contacts ? simulation_->contact_view() : nullptr) {
+    view->contacts(contacts_);
+    sample.contacts = &contacts_;
+  }
+  if (const DiagnosticView* view = simulation_->diagnostic_view()) {
+    sample.diagnostics = view->diagnostics();
+  }
+  return sample;
+}
+
+}  // namespace brickbench

@@ -1,0 +1,115 @@
+// The one loop: blows act once and whole, what goes wrong in an engine becomes a value.
+#include "experiments/step/stepper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/support/fake_engine.hpp"
+
+namespace brickbench {
+namespace {
+
+using Eigen::Vector3d;
+using testing::correct_fake;
+using testing::Defect;
+
+constexpr double k_step_s = 1.0 / 1024.0;
+
+Scene two_bricks() {
+  Scene scene;
+  scene.world.gravity_mps2.setZero();
+  for (const double x : {0.0, 10.0}) {
+    State state;
+    state.position_m.x() = x;
+    scene.world.bodies.push_back(solid_body("brick", BoxShape{{0.1, 0.1, 0.1}}, 1000.0, state));
+  }
+  return scene;
+}
+
+Settings settings_of(const Adapter& adapter) {
+  return {.step_s = k_step_s, .variant = adapter.variants.front().name, .knobs = {}};
+}
+
+// Whenever the blow falls, also at the border of two steps and in the first one: the brick moves
+// from the step that contains it on, by the whole of the impulse; the other brick does not.
+TEST(Stepper, AppliesEachBlowInTheStepThatContainsIt) {
+  const Adapter adapter = correct_fake();
+  for (const double steps : {0.0, 0.5, 1.0, 6.999999, 7.0, 7.0 + 1e-12, 7.0 - 1e-12}) {
+    Scene scene = two_bricks();
+    const Vector3d impulse(1.0, -2.0, 3.0), turn(0.0, 0.0, 0.01);
+    scene.blows = {{.body = 1,
+                    .time_s = steps * k_step_s,
+                    .impulse_ns = impulse,
+                    .angular_impulse_nms = turn}};
+    auto stepper =
+        Stepper::start(adapter, scene.world, settings_of(adapter), blows_of(scene, k_step_s));
+    ASSERT_TRUE(stepper) << stepper.error().reason;
+    const Body& body = scene.world.bodies[1];
+    const auto expected_step = static_cast<std::size_t>(steps + 1e-9) + 1;
+    while (stepper->done() < 10) {
+      ASSERT_TRUE(stepper->advance());
+      const bool after = stepper->done() >= expected_step;
+      const State& struck = stepper->states()[1];
+      EXPECT_NEAR((body.mass_kg * struck.velocity_mps - (after ? 1.0 : 0.0) * impulse).norm(), 0.0,
+                  1e-12)
+          << steps << " steps, after step " << stepper->done();
+      EXPECT_EQ(struck.angular_velocity_radps.norm() > 0.0, after);
+      EXPECT_EQ(stepper->states()[0].velocity_mps.norm(), 0.0);
+      EXPECT_EQ(stepper->wrenches()[1].force_n.norm() > 0.0, stepper->done() == expected_step);
+    }
+  }
+}
+
+TEST(Stepper, SaysWhenAndWhereAStateIsNotFinite) {
+  const Adapter adapter = testing::fake_adapter(Defect::nan_at_step_7);
+  const Scene scene = two_bricks();
+  auto stepper = Stepper::start(adapter, scene.world, settings_of(adapter)).value();
+  for (int step = 1; step < 7; ++step) ASSERT_TRUE(stepper.advance()) << step;
+  const auto lost = stepper.advance();
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().fault, Fault::diverged);
+  EXPECT_NE(lost.error().reason.find("'brick' is not finite after step 7"), std::string::npos)
+      << lost.error().reason;
+}
+
+TEST(Stepper, TurnsWhatTheEngineThrowsIntoAValue) {
+  const Adapter adapter = testing::fake_adapter(Defect::throws_at_step_5);
+  const Scene scene = two_bricks();
+  auto stepper = Stepper::start(adapter, scene.world, settings_of(adapter)).value();
+  for (int step = 1; step < 5; ++step) ASSERT_TRUE(stepper.advance()) << step;
+  const auto thrown = stepper.advance();
+  ASSERT_FALSE(thrown);
+  EXPECT_EQ(thrown.error().fault, Fault::crashed);
+  EXPECT_NE(thrown.error().reason.find("step 5"), std::string::npos) << thrown.error().reason;
+}
+
+TEST(Stepper, PassesOnWhyNothingIsBuilt) {
+  const Adapter adapter = testing::fake_adapter(Defect::refuses);
+  const Scene scene = two_bricks();
+  const auto stepper = Stepper::start(adapter, scene.world, settings_of(adapter));
+  ASSERT_FALSE(stepper);
+  EXPECT_EQ(stepper.error().fault, Fault::unsupported);
+}
+
+// Continued from given states at a given step: the load is that of the step, not of the count.
+TEST(Stepper, ResumesFromStates) {
+  const Adapter adapter = correct_fake();
+  Scene scene = two_bricks();
+  scene.blows = {{.body = 0, .time_s = 5.5 * k_step_s, .impulse_ns = {8.0, 0.0, 0.0}}};
+  auto stepper =
+      Stepper::start(adapter, scene.world, settings_of(adapter), blows_of(scene, k_step_s)).value();
+  std::vector<State> states(stepper.states().begin(), stepper.states().end());
+  states[0].position_m.x() = -3.0;
+  ASSERT_TRUE(stepper.resume(states, 5));
+  EXPECT_EQ(stepper.states()[0].position_m.x(), -3.0);
+  ASSERT_TRUE(stepper.advance());
+  EXPECT_EQ(stepper.done(), 6u);
+  EXPECT_DOUBLE_EQ(stepper.time_s(), 6.0 * k_step_s);
+  EXPECT_NEAR(stepper.states()[0].velocity_mps.x(), 1.0, 1e-12);
+  EXPECT_NEAR(stepper.states()[0].position_m.x(), -3.0 + k_step_s, 1e-12);
+  EXPECT_EQ(stepper.clock().steps(), 1u);
+}
+
+}  // namespace
+}  // namespace brickbench
