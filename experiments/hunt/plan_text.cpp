@@ -1,0 +1,101 @@
+#include "experiments/hunt/plan_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "experiments/run/cell.hpp"
+
+namespace brickbench::hunt {
+namespace {
+
+// "1/240" where the step is one part of a whole second, else the shortest number.
+std::string step_text(double step_s) {
+  const double parts = std::round(1.0 / step_s);
+  const bool exact = 1.0 / parts == step_s && parts < 1e4;
+  const std::string number = fmt::format("{}", step_s);
+  const std::string quotient = fmt::format("\"1/{}\"", parts);
+  return exact && number.size() > quotient.size() ? quotient : number;
+}
+
+std::string toml(const ParameterValue& value) {
+  if (const auto* word = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *word);
+  return fmt::format("{}", std::get<double>(value));
+}
+
+std::string engine_text(const Trial& trial) {
+  if (trial.knobs.empty()) return fmt::format("[\"{}\"]", trial.engine.label());
+  std::string knobs;
+  for (const auto& [name, value] : trial.knobs) {
+    knobs += fmt::format("{}{} = {}", knobs.empty() ? "" : ", ", name, value);
+  }
+  return fmt::format("[{{ engine = \"{}\", knobs = {{ {} }} }}]", trial.engine.label(), knobs);
+}
+
+std::string law_of(std::string_view oracle) {
+  for (const OracleInfo& info : oracles()) {
+    if (info.name == oracle) return std::string(info.law);
+  }
+  return {};
+}
+
+std::string seen_text(const Verdict& verdict) {
+  std::string text;
+  for (const Breach& breach : verdict.breaches) {
+    text += fmt::format(
+        "{}: {}. Expected at most {:.4g} {}, observed {:.4g} {}{}{}.\n", breach.oracle,
+        law_of(breach.oracle), breach.allowed, breach.unit, breach.observed, breach.unit,
+        breach.step > 0 ? fmt::format(" after step {} ({:.4g} s)", breach.step, breach.time_s) : "",
+        breach.bodies.empty() ? "" : ", bodies " + breach.bodies);
+  }
+  if (verdict.outcome != "ok") text += fmt::format("{}: {}\n", verdict.outcome, verdict.reason);
+  return text;
+}
+
+}  // namespace
+
+std::string plan_text(const Trial& trial, const Verdict& verdict, std::string_view oracle,
+                      const std::string& file, const std::string& origin) {
+  std::string text =
+      fmt::format("# brickbench hunt --replay {}\n# brickbench run {}\n", file, file);
+  text +=
+      fmt::format("title = \"{} breaks {} in {}\"\n", trial.engine.label(), oracle, trial.scene);
+  text +=
+      fmt::format("analysis = \"\"\"\n{}{}\"\"\"\n\n[[experiment]]\n", seen_text(verdict), origin);
+  text += fmt::format("scenario = \"{}\"\nengines = {}\nstep_s = {}\nduration_s = {}\n",
+                      trial.scene, engine_text(trial), step_text(trial.step_s),
+                      static_cast<double>(trial.steps) * trial.step_s);
+  if (!trial.parameters.empty()) {
+    text += "\n[experiment.parameters]\n";
+    for (const auto& [name, value] : trial.parameters) {
+      text += fmt::format("{} = {}\n", name, toml(value));
+    }
+  }
+  return text;
+}
+
+Checked<std::vector<Trial>> trials_of(const Plan& plan, const Catalogues& catalogues) {
+  const auto cells = expand(plan, catalogues);
+  if (!cells) return tl::unexpected(cells.error());
+  std::vector<Trial> trials;
+  for (const Cell& cell : *cells) {
+    if (!cell.excluded_why.empty() || cell.seed != 0) {
+      return file_error(plan.file.string(),
+                        "a hunt replays plans without seeds and without excluded cells");
+    }
+    Trial trial;
+    trial.scene = cell.scenario;
+    const Scenario& scenario = *find_scenario(catalogues, cell.scenario);
+    for (const Parameter& parameter : scenario.parameters) {
+      set_parameter(trial, parameter, cell.parameters.find(parameter.name)->second);
+    }
+    trial.step_s = cell.step_s;
+    trial.steps = step_count(cell);
+    trial.engine = cell.engine;
+    trial.knobs = cell.knobs;
+    trials.push_back(std::move(trial));
+  }
+  return trials;
+}
+
+}  // namespace brickbench::hunt
