@@ -5,19 +5,14 @@
 #include <cmath>
 
 #include "experiments/hunt/dice.hpp"
+#include "experiments/hunt/digits.hpp"
 #include "experiments/hunt/extent.hpp"
 
 namespace brickbench::hunt {
 namespace {
 
-// Numbers of a hunt have so many digits: a person must be able to type them.
-constexpr double k_digits = 1e3;
-
-double rounded(double x) {
-  if (x == 0.0 || !std::isfinite(x)) return x;
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x)))) / k_digits;
-  return std::round(x / unit) * unit;
-}
+// Of a parameter that is drawn.
+constexpr int k_digits = 4;
 
 // A size between the ends, by decades: a range that begins at 0 is taken to span six of them.
 double size_within(Dice& dice, double low, double high) {
@@ -47,7 +42,7 @@ double draw_number(Dice& dice, const Parameter& p) {
   const double size = narrow              ? dice.uniform(low, high)
                       : dice.chance(0.65) ? near_default(dice, normal)
                                           : size_within(dice, std::max(low, 0.0), high);
-  return std::clamp(sign * rounded(size), low, high);
+  return std::clamp(sign * with_digits(size, k_digits), low, high);
 }
 
 // Small numbers are as likely as large ones: a fault in a crowd mostly lives in a few as well.
@@ -76,7 +71,7 @@ ParameterValue draw_value(Dice& dice, const Parameter& p) {
 double draw_step_s(Dice& dice) {
   constexpr std::array usual = {1.0 / 60, 1.0 / 100, 1.0 / 240, 0.001, 1.0 / 60, 0.002, 1e-4};
   if (dice.chance(0.8)) return usual[dice.below(usual.size())];
-  return rounded(dice.decades(1e-5, 1.0 / 60));
+  return with_digits(dice.decades(1e-5, 0.016), k_digits);
 }
 
 // Long enough that what flies meets something, and something happens then.

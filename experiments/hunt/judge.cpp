@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "experiments/hunt/image_oracle.hpp"
 #include "experiments/hunt/motion.hpp"
 
 namespace brickbench::hunt {
@@ -44,7 +45,6 @@ Verdict judge(const Trial& trial, const Catalogues& catalogues) {
   }
   const Settings settings = settings_of(trial);
   const Motion motion = run_motion(*adapter, settings, *scene, trial.steps);
-  if (motion.outcome == to_outcome(Fault::crashed)) return judge_crash(motion.reason);
   verdict.outcome = motion.outcome;
   verdict.reason = motion.reason;
   if (motion.states.empty()) return verdict;
@@ -52,6 +52,7 @@ Verdict judge(const Trial& trial, const Catalogues& catalogues) {
     if (oracle.judge == nullptr) continue;
     if (auto breach = oracle.judge(motion)) verdict.breaches.push_back(std::move(*breach));
   }
+  if (auto breach = image_breach(*adapter, settings, motion)) verdict.breaches.push_back(*breach);
   const Motion again = run_motion(*adapter, settings, *scene, trial.steps);
   if (auto breach = repetition_breach(motion, again)) verdict.breaches.push_back(*breach);
   return verdict;

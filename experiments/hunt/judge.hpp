@@ -14,8 +14,9 @@ struct Verdict {
   std::string reason;
   std::vector<Breach> breaches;  // in the order of oracles()
 
-  // A run that ended without "ok" has said so itself: its breaches are told, not found.
-  bool is_told() const { return outcome != "ok" && outcome != "crashed"; }
+  // A run that ended without "ok" has said so itself: its breaches are told, not found. A process
+  // that died has said nothing.
+  bool is_told() const { return outcome != "ok" && find("process") == nullptr; }
   const Breach* find(std::string_view oracle) const;
 };
 

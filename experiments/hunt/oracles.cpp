@@ -14,6 +14,9 @@ const std::vector<OracleInfo>& oracles() {
       {"friction", "what slides is held back by the whole friction: nothing creeps",
        friction_breach},
       {"cone", "friction never exceeds its coefficient times the pressure", cone_breach},
+      {"push", "fixed bodies push only where they touch, inside the cone of friction", push_breach},
+      {"kinematics", "bodies move as their velocities say", kinematics_breach},
+      {"image", "a mirrored, turned or shifted scene moves alike", nullptr},
       {"repetition", "the same run gives the same bits", nullptr},
       {"process", "the engine returns", nullptr}};
   return list;

@@ -50,6 +50,12 @@ std::optional<Breach> friction_breach(const Motion& motion);
 // ... or lies on it and is held by more than that, N s summed over the run.
 std::optional<Breach> cone_breach(const Motion& motion);
 
+// Momentum, N s, that the fixed bodies gave in one step though no contact inside its cone could.
+std::optional<Breach> push_breach(const Motion& motion);
+
+// Way, m, that a body went over the whole run beside that of its velocities.
+std::optional<Breach> kinematics_breach(const Motion& motion);
+
 struct OracleInfo {
   std::string_view name;
   std::string_view law;                                            // one line: what is demanded

@@ -23,6 +23,16 @@ std::string toml(const ParameterValue& value) {
   return fmt::format("{}", std::get<double>(value));
 }
 
+// For a basic string of TOML.
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char letter : text) {
+    if (letter == '\\' || letter == '"') safe += '\\';
+    safe += letter;
+  }
+  return safe;
+}
+
 std::string engine_text(const Trial& trial) {
   if (trial.knobs.empty()) return fmt::format("[\"{}\"]", trial.engine.label());
   std::string knobs;
@@ -60,8 +70,8 @@ std::string plan_text(const Trial& trial, const Verdict& verdict, std::string_vi
       fmt::format("# brickbench hunt --replay {}\n# brickbench run {}\n", file, file);
   text +=
       fmt::format("title = \"{} breaks {} in {}\"\n", trial.engine.label(), oracle, trial.scene);
-  text +=
-      fmt::format("analysis = \"\"\"\n{}{}\"\"\"\n\n[[experiment]]\n", seen_text(verdict), origin);
+  text += fmt::format("analysis = \"\"\"\n{}{}\"\"\"\n\n[[experiment]]\n",
+                      escaped(seen_text(verdict)), escaped(origin));
   text += fmt::format("scenario = \"{}\"\nengines = {}\nstep_s = {}\nduration_s = {}\n",
                       trial.scene, engine_text(trial), step_text(trial.step_s),
                       static_cast<double>(trial.steps) * trial.step_s);

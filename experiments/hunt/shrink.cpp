@@ -4,15 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "experiments/hunt/digits.hpp"
+
 namespace brickbench::hunt {
 namespace {
-
-double with_digits(double x, int digits) {
-  if (x == 0.0) return 0.0;
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) + 1 - digits);
-  // Through the shortest text: 0.3, not 0.30000000000000004.
-  return std::stod(std::to_string(std::llround(x / unit))) * unit;
-}
 
 // One search; each of its moves returns whether it changed something.
 class Search {
