@@ -11,6 +11,7 @@
 #include "cli/hunt_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/exact/validate.hpp"
 #include "experiments/hunt/hunt.hpp"
 #include "experiments/hunt/isolated_judge.hpp"
 #include "experiments/hunt/plan_text.hpp"
@@ -61,8 +62,11 @@ hunt::Quarry quarry_of(const HuntChoice& choice, const Catalogues& catalogues) {
     }
   }
   const std::vector<std::string> known = names_of(catalogues.scenarios);
+  const auto cases = exact::exact_cases();
   for (const std::string& text : choice.scenes) {
-    if (text != "all" && std::ranges::find(known, text) == known.end()) {
+    const auto chosen = exact::select_cases(cases, text);
+    for (const exact::ExactCase& exact_case : chosen) quarry.cases.push_back(exact_case.id);
+    if (chosen.empty() && std::ranges::find(known, text) == known.end()) {
       reject({.file = "--scene"},
              fmt::format("no scenario '{}'{}", text, known_names(text, known)));
     }
@@ -142,10 +146,20 @@ int hunt_anew(const HuntChoice& choice, const Catalogues& catalogues, double bud
   return findings.empty() ? k_exit_fine : k_exit_failed_case;
 }
 
+Checked<std::vector<hunt::Trial>> trials_in(const std::string& text, const std::string& file,
+                                            const Catalogues& catalogues) {
+  const auto of_case = hunt::case_trial(text, file, catalogues);
+  if (!of_case) return tl::unexpected(of_case.error());
+  if (*of_case) return std::vector<hunt::Trial>{**of_case};
+  const auto plan = parse_plan(text, file, catalogues);
+  if (!plan) return tl::unexpected(plan.error());
+  return hunt::trials_of(*plan, catalogues);
+}
+
 int replay(const HuntChoice& choice, const Catalogues& catalogues) {
-  const auto plan = read_plan(choice.replay, catalogues);
-  if (!plan) return complain(plan.error().text(), k_exit_bad_input);
-  const auto trials = hunt::trials_of(*plan, catalogues);
+  const auto text = read_file(choice.replay);
+  if (!text) return complain(text.error().reason, k_exit_bad_input);
+  const auto trials = trials_in(*text, choice.replay, catalogues);
   if (!trials) return complain(trials.error().text(), k_exit_bad_input);
   bool broken = false;
   for (const hunt::Trial& trial : *trials) {
@@ -185,7 +199,9 @@ void add_hunt_verb(CLI::App& app, Invocation& invocation) {
       "hunt", "Draw random scenes, judge every engine by laws alone, shrink what breaks one");
   auto choice = std::make_shared<HuntChoice>();
   verb->add_option("--engine", choice->engines, "Engines and variants")->capture_default_str();
-  verb->add_option("--scene", choice->scenes, "Scenarios; all: every one")->capture_default_str();
+  verb->add_option("--scene", choice->scenes,
+                   "Scenarios and exact cases, family.* too; all: every one")
+      ->capture_default_str();
   verb->add_option("--budget", choice->budget, "When to stop drawing: 90s, 10min, 1h")
       ->capture_default_str();
   verb->add_option("--seed", choice->seed, "Of the draws")->capture_default_str();

@@ -60,6 +60,8 @@ Json to_json(const Shrunk& shrunk) {
 
 Trial trial_of(const Json& json) {
   Trial trial;
+  const bool scenario = json.at("source").get<std::string>() == "scenario";
+  trial.source = scenario ? Source::scenario : Source::exact_case;
   trial.scene = json.at("scene").get<std::string>();
   trial.engine = {json.at("engine").get<std::string>(), json.at("variant").get<std::string>()};
   trial.step_s = json.at("step_s").get<double>();

@@ -114,4 +114,21 @@ std::optional<Trial> draw_scene(const std::vector<Scenario>& scenarios, std::uin
   return std::nullopt;
 }
 
+Trial draw_case(const std::vector<std::string>& cases, std::uint64_t seed, std::uint64_t number) {
+  constexpr double k_least = 0.7;
+  constexpr double k_most = 1.4;
+  Dice dice({seed, number}, "case");
+  Trial trial;
+  trial.source = Source::exact_case;
+  trial.scene = cases[dice.below(cases.size())];
+  for (const Parameter& parameter : parameters_of(trial, {})) {
+    if (parameter.name == "step_s" || parameter.name == "duration_s" || dice.chance(0.3)) continue;
+    const double normal = std::get<double>(parameter.default_value);
+    const double drawn = with_digits(normal * dice.decades(k_least, k_most), k_digits);
+    const double value = parameter.kind == ParameterKind::number ? drawn : std::round(drawn);
+    set_parameter(trial, parameter, std::clamp(value, parameter.minimum, parameter.maximum));
+  }
+  return trial;
+}
+
 }  // namespace brickbench::hunt

@@ -24,4 +24,8 @@ struct DrawLimits {
 std::optional<Trial> draw_scene(const std::vector<Scenario>& scenarios, std::uint64_t seed,
                                 std::uint64_t number, const DrawLimits& limits = {});
 
+// The same for one of these exact cases (ids): each parameter but the times is its default times a
+// factor in 0.7 .. 1.4, or an end of that, within its range.
+Trial draw_case(const std::vector<std::string>& cases, std::uint64_t seed, std::uint64_t number);
+
 }  // namespace brickbench::hunt

@@ -8,7 +8,9 @@
 #include <map>
 #include <utility>
 
+#include "experiments/hunt/dice.hpp"
 #include "experiments/hunt/isolated_judge.hpp"
+#include "experiments/hunt/knobs.hpp"
 
 namespace brickbench::hunt {
 namespace {
@@ -154,7 +156,15 @@ class Loop {
 
 std::optional<Trial> trial_number(const Quarry& quarry, const Catalogues& catalogues,
                                   std::uint64_t number, const DrawLimits& limits) {
+  constexpr double k_case_share = 0.2;
   const std::uint64_t case_number = number / quarry.engines.size();
+  const EngineVariant& engine = quarry.engines[number % quarry.engines.size()];
+  Dice dice({quarry.seed, case_number}, "source");
+  if (!quarry.cases.empty() && (quarry.scenes.empty() || dice.chance(k_case_share))) {
+    Trial trial = draw_case(quarry.cases, quarry.seed, case_number);
+    trial.engine = engine;
+    return trial;
+  }
   std::vector<Scenario> scenarios;
   for (const Scenario& scenario : catalogues.scenarios) {
     if (std::ranges::find(quarry.scenes, scenario.name) != quarry.scenes.end()) {
@@ -163,7 +173,8 @@ std::optional<Trial> trial_number(const Quarry& quarry, const Catalogues& catalo
   }
   auto trial = draw_scene(scenarios, quarry.seed, case_number, limits);
   if (!trial) return std::nullopt;
-  trial->engine = quarry.engines[number % quarry.engines.size()];
+  trial->engine = engine;
+  draw_knob(*trial, catalogues, quarry.seed, case_number);
   return trial;
 }
 

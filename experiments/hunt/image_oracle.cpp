@@ -94,7 +94,7 @@ std::optional<Breach> image_breach(const Adapter& adapter, const Settings& setti
     speed_mps = std::max(speed_mps, fastest.of(i));
   }
   std::vector<double> moved_m(motion.states.size(), 0.0);
-  const bool single = motion.scheme && motion.scheme->soft;
+  const bool single = motion.single;
   const double nudge_share = single ? k_single_nudge : k_nudge;
   Dice dice({0}, "nudge");
   for (int nudge = 0; nudge < k_nudges; ++nudge) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "experiments/exact/validate.hpp"
 #include "experiments/hunt/image_oracle.hpp"
 #include "experiments/hunt/motion.hpp"
 
@@ -17,6 +18,25 @@ std::optional<Breach> repetition_breach(const Motion& first, const Motion& secon
     ++step;
   }
   return Breach{"repetition", 1.0, 0.0, "1", step, static_cast<double>(step) * first.step_s, ""};
+}
+
+Verdict judge_case(const Trial& trial, const Adapter& adapter) {
+  Verdict verdict;
+  const auto cases = exact::select_cases(exact::exact_cases(), trial.scene);
+  if (cases.empty()) {
+    verdict.outcome = to_outcome(Fault::invalid);
+    verdict.reason = "there is no exact case '" + trial.scene + "'";
+    return verdict;
+  }
+  const exact::CellResult cell =
+      exact::validate(adapter, trial.engine.variant, cases.front(), trial.parameters, trial.knobs);
+  verdict.outcome = cell.outcome;
+  verdict.reason = cell.reason;
+  const auto worst = cell.worst_unexplained();
+  if (cell.outcome == "ok" && worst && !(*worst <= cell.bound)) {
+    verdict.breaches.push_back({"scheme", *worst, cell.bound, "1", 0, 0.0, ""});
+  }
+  return verdict;
 }
 
 }  // namespace
@@ -37,6 +57,9 @@ Verdict judge_crash(const std::string& reason) {
 Verdict judge(const Trial& trial, const Catalogues& catalogues) {
   Verdict verdict;
   const Adapter* adapter = find_adapter(catalogues, trial.engine.engine);
+  if (adapter != nullptr && trial.source == Source::exact_case) {
+    return judge_case(trial, *adapter);
+  }
   const auto scene = scene_of(trial, catalogues);
   if (adapter == nullptr || !scene) {
     verdict.outcome = to_outcome(Fault::invalid);

@@ -15,10 +15,7 @@ namespace {
 constexpr double k_momentum_share = 1e-9;
 constexpr double k_single_share = 1e-4;
 
-double share_of(const Motion& motion) {
-  const bool single = motion.scheme && motion.scheme->soft;
-  return single ? k_single_share : k_momentum_share;
-}
+double share_of(const Motion& motion) { return motion.single ? k_single_share : k_momentum_share; }
 
 Eigen::Vector3d momentum_ns(const World& world, std::span<const State> states) {
   Eigen::Vector3d sum_ns = Eigen::Vector3d::Zero();

@@ -15,6 +15,7 @@ struct Motion {
   Scene scene;
   double step_s = 0.0;
   std::optional<Scheme> scheme;               // that the engine states
+  bool single = false;                        // whether the engine counts in single precision
   std::vector<std::vector<State>> states;     // (steps done + 1, bodies), all finite
   std::vector<std::vector<Wrench>> wrenches;  // (steps done, bodies), held during the step
   std::string outcome = "ok";                 // or a word of to_outcome()

@@ -17,6 +17,7 @@ const std::vector<OracleInfo>& oracles() {
       {"push", "fixed bodies push only where they touch, inside the cone of friction", push_breach},
       {"kinematics", "bodies move as their velocities say", kinematics_breach},
       {"image", "a mirrored, turned or shifted scene moves alike", nullptr},
+      {"scheme", "an exact case ends as the stated scheme must", nullptr},
       {"repetition", "the same run gives the same bits", nullptr},
       {"process", "the engine returns", nullptr}};
   return list;

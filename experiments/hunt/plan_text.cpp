@@ -62,7 +62,62 @@ std::string seen_text(const Verdict& verdict) {
   return text;
 }
 
+// An exact case is no scenario: a table of its own instead of a plan.
+std::string case_text(const Trial& trial, const Verdict& verdict, const std::string& file,
+                      const std::string& origin) {
+  std::string text = fmt::format("# brickbench hunt --replay {}\n", file);
+  text +=
+      fmt::format("analysis = \"\"\"\n{}{}\"\"\"\n\n[case]\nid = \"{}\"\nengine = \"{}\"\n",
+                  escaped(seen_text(verdict)), escaped(origin), trial.scene, trial.engine.label());
+  for (const auto& [name, value] : trial.knobs) text += fmt::format("knobs.{} = {}\n", name, value);
+  for (const auto& [name, value] : trial.parameters) {
+    text += fmt::format("parameters.{} = {}\n", name, toml(value));
+  }
+  return text;
+}
+
+// Throws InputError.
+Trial read_case(const InputValue& table, const Catalogues& catalogues) {
+  reject_unknown(table, "a case", {"id", "engine", "knobs", "parameters"});
+  const InputValue* id = table.find("id");
+  const InputValue* engine = table.find("engine");
+  if (id == nullptr || engine == nullptr) reject(table.at, "a case needs 'id' and 'engine'");
+  Trial trial;
+  trial.source = Source::exact_case;
+  trial.scene = filled_text(*id, "id");
+  const Selector selector =
+      parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, true);
+  const auto chosen = select(selector, catalogues);
+  if (chosen.size() != 1) reject(engine->at, "a case runs in one engine and variant");
+  trial.engine = chosen.front();
+  if (parameters_of(trial, catalogues).empty()) reject(id->at, "there is no such exact case");
+  if (const InputValue* knobs = table.find("knobs")) {
+    for (const Entry& entry : knobs->entries) {
+      trial.knobs[entry.name] = finite_number(entry.value, entry.name);
+    }
+  }
+  if (const InputValue* parameters = table.find("parameters")) {
+    for (const Entry& entry : parameters->entries) {
+      trial.parameters[entry.name] = finite_number(entry.value, entry.name);
+    }
+  }
+  return trial;
+}
+
 }  // namespace
+
+Checked<std::optional<Trial>> case_trial(const std::string& text, const std::string& file,
+                                         const Catalogues& catalogues) {
+  const auto table = parse_toml(text, file);
+  if (!table) return tl::unexpected(table.error());
+  const InputValue* given = table->find("case");
+  if (given == nullptr) return std::optional<Trial>();
+  try {
+    return std::optional<Trial>(read_case(*given, catalogues));
+  } catch (const InputError& error) {
+    return tl::unexpected(error);
+  }
+}
 
 std::string plan_text(const Trial& trial, const Verdict& verdict, std::string_view oracle,
                       const std::string& file, const std::string& origin) {

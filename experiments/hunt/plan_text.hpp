@@ -15,6 +15,11 @@ namespace brickbench::hunt {
 std::string plan_text(const Trial& trial, const Verdict& verdict, std::string_view oracle,
                       const std::string& file, const std::string& origin);
 
+// The trial in a file of an exact case, which is no plan: `case_text` wrote it. nullopt: not such
+// a file.
+Checked<std::optional<Trial>> case_trial(const std::string& text, const std::string& file,
+                                         const Catalogues& catalogues);
+
 // The trials that the cells of a plan are, in its order; seeds and excluded cells are refused.
 Checked<std::vector<Trial>> trials_of(const Plan& plan, const Catalogues& catalogues);
 

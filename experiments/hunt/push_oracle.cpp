@@ -32,7 +32,7 @@ std::optional<Breach> push_breach(const Motion& motion) {
   for (const Body& body : world.bodies) {
     if (!body.fixed) weight_ns += body.mass_kg * world.gravity_mps2.norm() * motion.step_s;
   }
-  const bool single = motion.scheme && motion.scheme->soft;
+  const bool single = motion.single;
   const double rounding = single ? k_single_rounding : k_double_rounding;
   Worst worst;
   for (std::size_t n = 0; n < motion.steps(); ++n) {

@@ -18,7 +18,8 @@ namespace brickbench::hunt {
 struct Quarry {
   std::uint64_t seed = 1;
   std::vector<EngineVariant> engines;
-  std::vector<std::string> scenes;  // names, in the order of the catalogue
+  std::vector<std::string> scenes;  // names of scenarios, in the order of the catalogue
+  std::vector<std::string> cases;   // ids of exact cases
 
   bool operator==(const Quarry&) const = default;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "experiments/hunt/digits.hpp"
 
@@ -12,11 +14,11 @@ namespace {
 // One search; each of its moves returns whether it changed something.
 class Search {
  public:
-  Search(Shrunk& best, std::string_view oracle, const Scenario& scenario, const Judge& judge,
-         std::size_t most_probes)
+  Search(Shrunk& best, std::string_view oracle, std::vector<Parameter> parameters,
+         const Judge& judge, std::size_t most_probes)
       : best_(best),
         oracle_(oracle),
-        scenario_(scenario),
+        parameters_(std::move(parameters)),
         judge_(judge),
         most_probes_(most_probes) {}
 
@@ -45,7 +47,7 @@ class Search {
       if (accept(candidate)) return true;
     }
     bool any = false;
-    for (const Parameter& parameter : scenario_.parameters) {
+    for (const Parameter& parameter : parameters_) {
       if (!best_.trial.parameters.contains(parameter.name)) continue;
       Trial candidate = best_.trial;
       candidate.parameters.erase(parameter.name);
@@ -56,7 +58,7 @@ class Search {
 
   bool lower_counts() {
     bool any = false;
-    for (const Parameter& parameter : scenario_.parameters) {
+    for (const Parameter& parameter : parameters_) {
       if (parameter.kind != ParameterKind::integer) continue;
       const double now = value_of(parameter);
       for (const double count : {1.0, 2.0, 3.0, std::floor(now / 2), now - 1}) {
@@ -85,6 +87,7 @@ class Search {
   }
 
   bool round_step() {
+    if (best_.trial.source == Source::exact_case) return false;
     constexpr std::array round_s = {1.0 / 60, 0.01, 1.0 / 240, 0.001, 1e-4};
     const double now_s = best_.trial.step_s;
     if (now_s == round_s.front()) return false;
@@ -102,7 +105,7 @@ class Search {
 
   bool round_numbers() {
     bool any = false;
-    for (const Parameter& parameter : scenario_.parameters) {
+    for (const Parameter& parameter : parameters_) {
       if (parameter.kind != ParameterKind::number) continue;
       if (!best_.trial.parameters.contains(parameter.name)) continue;
       const double now = value_of(parameter);
@@ -143,7 +146,7 @@ class Search {
 
   Shrunk& best_;
   std::string_view oracle_;
-  const Scenario& scenario_;
+  std::vector<Parameter> parameters_;
   const Judge& judge_;
   std::size_t most_probes_;
 };
@@ -153,9 +156,7 @@ class Search {
 Shrunk shrink(const Trial& trial, const Verdict& verdict, std::string_view oracle,
               const Catalogues& catalogues, const Judge& judge, std::size_t most_probes) {
   Shrunk best{trial, verdict, 0};
-  const Scenario* scenario = find_scenario(catalogues, trial.scene);
-  if (scenario == nullptr) return best;
-  Search search(best, oracle, *scenario, judge, most_probes);
+  Search search(best, oracle, parameters_of(trial, catalogues), judge, most_probes);
   bool any = true;
   while (any && !search.is_spent()) {
     any = search.shorten();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "experiments/run/catalogues.hpp"
 #include "experiments/run/selector.hpp"
@@ -12,7 +13,7 @@ namespace brickbench::hunt {
 // Where the scene comes from.
 enum class Source {
   scenario,    // of the catalogue: a plan reproduces it
-  exact_case,  // `validate` reproduces it
+  exact_case,  // that is drawn within its domain; step and duration are parameters of it
 };
 
 struct Trial {
@@ -29,6 +30,9 @@ struct Trial {
 
 // The settings with which an engine runs the trial.
 Settings settings_of(const Trial& trial);
+
+// The parameters of its scenario or exact case; empty where there is none of that name.
+std::vector<Parameter> parameters_of(const Trial& trial, const Catalogues& catalogues);
 
 // The scene of a trial from a scenario. Fault::invalid where the parameters make none.
 Expected<Scene> scene_of(const Trial& trial, const Catalogues& catalogues);

@@ -59,7 +59,7 @@ class Minute : public ::testing::Test {
   void SetUp() override {
     catalogues_.scenarios = scenarios();
     catalogues_.adapters = adapters();
-    quarry_ = {k_seed, own_engines(catalogues_), names_of(catalogues_.scenarios)};
+    quarry_ = {k_seed, own_engines(catalogues_), names_of(catalogues_.scenarios), {}};
     if (quarry_.engines.empty()) GTEST_SKIP() << "no engine of ours is linked";
   }
 

@@ -53,7 +53,7 @@ class Hunted : public ::testing::Test {
   }
 
   Catalogues catalogues_ = hunted_catalogues();
-  Quarry quarry_ = {3, {{"good", "plain"}}, {"brick_drop", "two_bricks"}};
+  Quarry quarry_ = {3, {{"good", "plain"}}, {"brick_drop", "two_bricks"}, {}};
   fs::path folder_;
 };
 
