@@ -25,6 +25,7 @@ int run(int argc, char** argv) {
   add_check_verb(app, invocation);
   add_bless_verb(app, invocation);
   add_oracle_verb(app, invocation);
+  add_hunt_verb(app, invocation);
   add_doctor_verb(app, invocation);
   try {
     app.parse(argc, argv);

@@ -11,11 +11,12 @@ Scenario free_brick();
 Scenario brick_drop();
 Scenario two_bricks();
 Scenario incline();
+Scenario assembly();
 Scenario explosion();
 
 std::vector<Scenario> scenarios() {
   return {brick_wall(), standing_wall(), tower(),   kapla_tower(), free_brick(),
-          brick_drop(), two_bricks(),    incline(), explosion()};
+          brick_drop(), two_bricks(),    incline(), assembly(),    explosion()};
 }
 
 }  // namespace brickbench

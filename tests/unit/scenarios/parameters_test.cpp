@@ -17,6 +17,7 @@ using namespace brickbench::testing;
 // Values in which a parameter shows that does nothing at the defaults.
 ParameterValues setting_for(const std::string& scenario, const std::string& parameter) {
   if (scenario == "explosion" && parameter == "profile") return {{"count_x", 4.0}};
+  if (scenario == "assembly" && parameter == "lean") return {{"arrangement", std::string("stack")}};
   if (scenario == "incline" && parameter == "heading_rad") return {{"speed_mps", 2.0}};
   if (parameter == "half_bricks") return {{"courses", 4.0}};
   return {};

@@ -1,0 +1,79 @@
+// Energy is never created: docs/hunt.md, section energy.
+#include <algorithm>
+
+#include "experiments/hunt/bounds.hpp"
+#include "experiments/hunt/extent.hpp"
+#include "experiments/hunt/oracles.hpp"
+#include "experiments/metrics/mechanics.hpp"
+
+namespace brickbench::hunt {
+namespace {
+
+// Above this restitution, Newton's law with Coulomb's friction may itself create energy: see
+// may_create().
+constexpr double k_tame_restitution = 0.3;
+// ... and then only this multiple of all energy that there was counts: an explosion.
+constexpr double k_explosion = 100.0;
+
+// For one impact the law gives at most 2 c s - s^2 - (1 - e^2) in units of the energy of approach,
+// with s the slip and c the coupling of normal and tangential impulse (Kane and Levinson's
+// paradox): never positive for c^2 <= 1 - e^2. A rod has c = 0.6, a slab on its edge c^2 = 0.75.
+bool may_create(const ContactLaw& law) {
+  return law.friction > 0.0 && law.restitution > k_tame_restitution;
+}
+
+// The larger of the work at the mean velocity and at that without contacts: which of the two an
+// engine's contacts let through depends on their order within the step.
+double work_j(const World& world, const gate::StepRecord& record) {
+  double sum_j = 0.0;
+  for (std::size_t i = 0; i < record.before.size(); ++i) {
+    const Body& body = world.bodies[i];
+    if (body.fixed || is_zero(record.wrenches[i])) continue;
+    const State& before = record.before[i];
+    const State& after = record.after[i];
+    const Eigen::Vector3d push_ns = record.step_s * record.wrenches[i].force_n;
+    const Eigen::Vector3d twist_nms = record.step_s * record.wrenches[i].torque_nm;
+    const double mean_j =
+        0.5 * (push_ns.dot(before.velocity_mps + after.velocity_mps) +
+               twist_nms.dot(before.angular_velocity_radps + after.angular_velocity_radps));
+    const double free_j = push_ns.dot(before.velocity_mps) +
+                          0.5 * push_ns.squaredNorm() / body.mass_kg +
+                          twist_nms.dot(before.angular_velocity_radps) +
+                          0.5 * twist_nms.squaredNorm() / body.inertia_kgm2.minCoeff();
+    sum_j += std::max(mean_j, free_j);
+  }
+  return sum_j;
+}
+
+}  // namespace
+
+std::optional<Breach> energy_breach(const Motion& motion) {
+  const World& world = motion.scene.world;
+  const bool loose = may_create(greatest_law(world));
+  const double start_j = gate::energy_j(world, motion.states.front());
+  const double fall_j = height_energy_j(world, motion.states.front());
+  Fastest fastest(world);
+  double most_kinetic_j = kinetic_j(world, motion.states.front());
+  const double first_kinetic_j = most_kinetic_j;
+  double given_j = 0.0;
+  double scheme_j = 0.0;
+  Worst worst;
+  for (std::size_t n = 0; n < motion.steps(); ++n) {
+    const gate::StepRecord record = motion.record(n);
+    given_j += work_j(world, record);
+    scheme_j += gate::energy_allowance_j(world, record, motion.scheme, k_rounding);
+    most_kinetic_j = std::max(most_kinetic_j, kinetic_j(world, record.after));
+    fastest.see(motion.states[n]);
+    fastest.see(motion.states[n + 1]);
+    const double excess_j = gate::energy_j(world, record.after) - start_j - given_j;
+    const double first_order_j = first_order_energy_j(world, fastest, motion.step_s);
+    const double scale_j = most_kinetic_j + edge_energy_j(world);
+    const double allowed_j =
+        loose ? k_explosion * (first_kinetic_j + std::max(given_j, 0.0) + fall_j + scheme_j)
+              : scheme_j + first_order_j + k_energy_share * scale_j;
+    worst.see({"energy", excess_j, allowed_j, "J", n + 1, 0.0, ""});
+  }
+  return worst.breach(motion);
+}
+
+}  // namespace brickbench::hunt

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# splice-found.sh [BRICKBENCH]: hunts every engine that is not ours with a fixed seed, keeps the plans of the findings in
+# reference_data/found, and puts their table between the markers of docs/found.md.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+source scripts/splice.sh
+
+program=${1:-build/release/brickbench}
+page=docs/found.md
+seed=14
+trials=${TRIALS:-4000}
+kept=reference_data/found
+if [ ! -x "$program" ]; then die "there is no program $program"; fi
+need_markers $page found
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+mapfile -t engines < <("$program" list engines --json | sed -n 's/^ *"name": "\(.*\)",$/\1/p' | grep -v '^ourengine$' || true)
+choice=()
+for engine in bullet ode mujoco; do
+  if printf '%s\n' "${engines[@]}" | grep -qx "$engine"; then choice+=(--engine "$engine/*"); fi
+done
+if [ ${#choice[@]} -eq 0 ]; then die "no engine of others is linked"; fi
+code=0
+"$program" hunt "${choice[@]}" --seed $seed --trials "$trials" --budget 24h --out "$scratch/hunt" >"$scratch/text" || code=$?
+if [ $code -gt 1 ]; then die "the hunt did not run"; fi
+rm -f $kept/*.toml
+for plan in "$scratch"/hunt/*.toml; do
+  if [ -e "$plan" ]; then sed "s|$scratch/hunt/|$kept/|" "$plan" >"$kept/${plan##*/}"; fi
+done
+put $page found <<<"$(sed "s|(\./|(../$kept/|" "$scratch/hunt/findings.md")"$'\n\n'"$(measured "$program")"
+echo "splice-found: $page has $(find $kept -name '*.toml' | wc -l) findings"
