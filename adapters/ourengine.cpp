@@ -12,6 +12,7 @@
 #include <map>
 
 #include "adapters/ourengine_variants.hpp"
+#include "ourengine/version.hpp"
 
 namespace brickbench {
 namespace {
@@ -214,7 +215,7 @@ Expected<void> refuse_friction(const World& world, const Settings& settings) {
 
 Adapter ourengine_adapter() {
   Adapter adapter{.name = "ourengine",
-                  .version = OURENGINE_VERSION,
+                  .version = ourengine::k_version,
                   .precision = "f64",
                   .variants = {},
                   .knobs = all_knobs(),
