@@ -2,6 +2,5 @@
 brickbench_engine_option(ourengine)
 if(WANTED)
   brickbench_adapter(ourengine SOURCES ourengine.cpp ourengine_baraff.cpp ourengine_velocity.cpp
-                     LINK ourengine
-                     DEFINITIONS OURENGINE_VERSION="${PROJECT_VERSION}")
+                     LINK ourengine)
 endif()

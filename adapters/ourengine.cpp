@@ -13,6 +13,7 @@
 
 #include "adapters/ourengine_variants.hpp"
 #include "ourengine/baraff/simulator.hpp"
+#include "ourengine/version.hpp"
 
 namespace brickbench {
 namespace {
@@ -208,7 +209,7 @@ Expected<void> refuse_friction(const World& world, const Settings& settings) {
 
 Adapter ourengine_adapter() {
   Adapter adapter{.name = "ourengine",
-                  .version = OURENGINE_VERSION,
+                  .version = ourengine::k_version,
                   .variants = {},
                   .knobs = all_knobs(),
                   .build = &build_ourengine,

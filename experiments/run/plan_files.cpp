@@ -34,6 +34,7 @@ std::vector<fs::path> plan_folders() {
     candidates.push_back(above / plans);
     above = above.parent_path();
   }
+  candidates.push_back(program_folder().parent_path() / "share" / "brickbench" / plans);
   candidates.push_back(fs::path(BRICKBENCH_SOURCE_DIR) / plans);
   std::vector<fs::path> folders;
   std::vector<fs::path> real;

@@ -9,7 +9,8 @@
 namespace brickbench {
 
 // The folders that hold plans, in order of search: experiments/plans below the current folder,
-// beside and above the program, and in the source tree that it was built from; those that exist.
+// beside and above the program, where an installed program has them, and in the source tree that it
+// was built from; those that exist.
 std::vector<std::filesystem::path> plan_folders();
 
 // `name` is a path, or the name of a file in one of the folders, with or without ".toml". The path

@@ -50,6 +50,7 @@ class SurfaceLaws {
  public:
   explicit SurfaceLaws(int kinds = 1, SurfaceLaw everywhere = {})
       : kinds_(kinds), laws_(static_cast<std::size_t>(kinds * kinds), everywhere) {}
+  int kinds() const { return kinds_; }
   void set(int a, int b, SurfaceLaw law) {
     at(a, b) = law;
     at(b, a) = law;
