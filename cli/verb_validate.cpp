@@ -16,6 +16,8 @@
 #include "experiments/exact/sketch.hpp"
 #include "experiments/exact/validate.hpp"
 #include "experiments/record/csv.hpp"
+#include "experiments/record/file.hpp"
+#include "experiments/record/provenance.hpp"
 #include "experiments/run/selector.hpp"
 
 namespace brickbench {
@@ -58,10 +60,11 @@ Expected<KnobValues> parse_numbers(const std::string& option,
 }
 
 std::string reproduce(const exact::CellResult& cell, const std::vector<std::string>& knobs) {
-  std::string line = fmt::format("brickbench validate --engine {}/{} --case {}", cell.engine,
-                                 cell.variant, cell.case_id);
-  for (const std::string& knob : knobs) line += " --knob " + knob;
-  return line;
+  std::vector<std::string> words = {"brickbench", "validate",
+                                    "--engine",   cell.engine + '/' + cell.variant,
+                                    "--case",     cell.case_id};
+  for (const std::string& knob : knobs) words.insert(words.end(), {"--knob", knob});
+  return shell_command(words);
 }
 
 Json cell_json(const exact::CellResult& cell, const std::string& reproduce) {
@@ -234,12 +237,9 @@ int validate(const ValidateOptions& options) {
   const Catalogues catalogues = all_catalogues();
   std::vector<EngineVariant> engines;
   for (const std::string& text : options.engines) {
-    try {
-      const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
-      for (const EngineVariant& engine : select(selector, catalogues)) engines.push_back(engine);
-    } catch (const InputError& error) {
-      return complain(error.text(), k_exit_bad_input);
-    }
+    const auto selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
+    if (!selector) return complain(selector.error().text(), k_exit_bad_input);
+    for (const EngineVariant& engine : select(*selector, catalogues)) engines.push_back(engine);
   }
   const auto knobs = parse_numbers("--knob", options.knobs);
   if (!knobs) return complain(knobs.error());
@@ -262,13 +262,15 @@ int validate(const ValidateOptions& options) {
   if (options.symmetry.empty() && !options.parameters.empty()) {
     return complain("--parameter is of the scene of --symmetry", k_exit_bad_input);
   }
+  for (const std::string& out : {options.out, options.figures}) {
+    if (const auto free = check_is_new(out); !free) return complain(free.error());
+  }
   if (!options.figures.empty()) return draw_starts(cases, options.figures);
   if (!options.out.empty()) {
     if (!options.symmetry.empty() || !options.stable_step.empty() || options.predict) {
       return complain("--out saves the table of cases, or with --order their orders, only",
                       k_exit_bad_input);
     }
-    if (const auto free = can_make(options.out); !free) return complain(free.error());
   }
   if (!options.symmetry.empty()) {
     const auto parameters = parse_numbers("--parameter", options.parameters);
