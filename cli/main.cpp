@@ -1,11 +1,38 @@
 // brickbench: which rigid-body engine is right here, by how much, and at what cost?
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 
+#include "cli/complain.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/run/input.hpp"
 
 namespace {
+
+// What is wrong with the first word that stands where a verb must, and is none; empty if nothing
+// is.
+std::string unknown_verb(const CLI::App& program, const std::vector<std::string>& arguments) {
+  const CLI::App* app = &program;
+  for (std::size_t i = 1; i < arguments.size() && !arguments[i].starts_with('-'); ++i) {
+    std::vector<std::string> known;
+    const CLI::App* chosen = nullptr;
+    for (const CLI::App* verb : app->get_subcommands([](const CLI::App*) { return true; })) {
+      known.push_back(verb->get_name());
+      if (verb->get_name() == arguments[i]) chosen = verb;
+    }
+    const auto options = app->get_options();
+    const bool takes_words = std::ranges::any_of(
+        options, [](const CLI::Option* option) { return option->get_positional(); });
+    if (chosen == nullptr && (known.empty() || takes_words)) return {};
+    if (chosen == nullptr) {
+      return fmt::format("no verb '{}'{}", arguments[i],
+                         brickbench::known_names(arguments[i], known));
+    }
+    app = chosen;
+  }
+  return {};
+}
 
 int run(int argc, char** argv) {
   using namespace brickbench;
@@ -27,6 +54,9 @@ int run(int argc, char** argv) {
   add_oracle_verb(app, invocation);
   add_hunt_verb(app, invocation);
   add_doctor_verb(app, invocation);
+  if (const std::string wrong = unknown_verb(app, invocation.arguments); !wrong.empty()) {
+    return complain(wrong, k_exit_bad_input);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

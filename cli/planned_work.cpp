@@ -47,10 +47,14 @@ std::optional<PlannedWork> planned_work(const PlanChoice& choice,
   return work;
 }
 
-Expected<std::filesystem::path> new_results_folder(const std::string& out, const Plan& plan) {
+Expected<std::filesystem::path> new_results_folder(const std::string& out, PlannedWork& work) {
   const std::filesystem::path folder =
-      out.empty() ? next_results_folder(plan.name) : std::filesystem::path(out);
+      out.empty() ? next_results_folder(work.plan.name) : std::filesystem::path(out);
   if (auto made = create_new_folder(folder); !made) return tl::unexpected(made.error());
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(work.plan.file, error)) {
+    work.provenance.plan = (folder / "plan.toml").string();
+  }
   return folder;
 }
 

@@ -34,7 +34,8 @@ std::optional<PlannedWork> planned_work(const PlanChoice& choice,
                                         const std::vector<std::string>& arguments);
 
 // Makes the folder `out`, or results/<plan>-<number> if `out` is empty; an existing one is refused.
-Expected<std::filesystem::path> new_results_folder(const std::string& out, const Plan& plan);
+// A plan from a pipe cannot be read again: from here on the provenance names the folder's copy.
+Expected<std::filesystem::path> new_results_folder(const std::string& out, PlannedWork& work);
 
 // What shows a run's cells on `progress`, which must outlive the callbacks.
 RunCallbacks callbacks_for(Progress& progress, std::function<std::string(const Cell&)> label);

@@ -49,13 +49,6 @@ Json audited_engines(const std::vector<EngineVariant>& engines, const Catalogues
   return array;
 }
 
-Expected<void> can_make(const std::string& folder) {
-  if (!std::filesystem::exists(std::filesystem::symlink_status(folder))) return {};
-  return fail(
-      Fault::invalid,
-      fmt::format("'{}' exists already; nothing is written over, name a new folder", folder));
-}
-
 Expected<void> save_validation(const std::string& folder, const std::string& file, const Json& json,
                                const std::string& title, const std::vector<std::string>& arguments,
                                const std::vector<EngineVariant>& engines,

@@ -18,9 +18,6 @@ nlohmann::ordered_json audited_engines(const std::vector<EngineVariant>& engines
                                        const std::vector<exact::ExactCase>& cases,
                                        const KnobValues& knobs);
 
-// Fault::invalid if the folder exists already.
-Expected<void> can_make(const std::string& folder);
-
 // A new folder, whole or absent, with `json` as `file` and what made it as provenance.json.
 Expected<void> save_validation(const std::string& folder, const std::string& file,
                                const nlohmann::ordered_json& json, const std::string& title,

@@ -151,7 +151,7 @@ std::string markdown(const BenchResult& result, const Provenance& provenance) {
 }
 
 int run(const BenchOptions& options, const Invocation& invocation) {
-  const auto work = planned_work(options.choice, invocation.arguments);
+  auto work = planned_work(options.choice, invocation.arguments);
   if (!work) return k_exit_bad_input;
   const auto& [catalogues, plan, cells, provenance] = *work;
   if (!plan.bench) {
@@ -161,7 +161,7 @@ int run(const BenchOptions& options, const Invocation& invocation) {
   }
   BenchChoice choice = *plan.bench;
   if (options.repeat != 0) choice.repeat = options.repeat;
-  const auto folder = new_results_folder(options.out, plan);
+  const auto folder = new_results_folder(options.out, *work);
   if (!folder) return complain(folder.error());
   const BenchResult result = bench_with_progress(*work, choice);
 

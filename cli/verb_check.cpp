@@ -37,7 +37,7 @@ std::filesystem::path next_obtained(const std::string& suite) {
   }
 }
 
-Json comparison_json(const std::string& suite, const gate::Comparison& c) {
+Json comparison_json(const std::string& command, const gate::Comparison& c) {
   return {{"id", c.experiment + '|' + c.obtained.key()},
           {"experiment", c.experiment},
           {"engine", c.obtained.engine},
@@ -56,7 +56,7 @@ Json comparison_json(const std::string& suite, const gate::Comparison& c) {
           {"validity", c.obtained.validity.value_or("")},
           {"starts", c.obtained.seeds.size()},
           {"message", c.message},
-          {"reproduce", gate::reproduce(suite, c)}};
+          {"reproduce", gate::reproduce(command, c)}};
 }
 
 std::size_t count(const gate::CheckResult& result, gate::Finding finding) {
@@ -64,8 +64,7 @@ std::size_t count(const gate::CheckResult& result, gate::Finding finding) {
       std::ranges::count(result.comparisons, finding, &gate::Comparison::finding));
 }
 
-void print_text(const std::string& suite, const gate::CheckResult& result, std::size_t worst,
-                const std::string& folder) {
+void print_text(const gate::CheckResult& result, std::size_t worst, const std::string& folder) {
   using gate::Finding;
   std::size_t shown = 0;
   for (const gate::Comparison& c : result.comparisons) {
@@ -74,7 +73,7 @@ void print_text(const std::string& suite, const gate::CheckResult& result, std::
     fmt::print("{} {} {} {}{}\n    {}\n    {}\n", gate::to_word(c.finding), c.experiment,
                c.obtained.engine, c.obtained.metric.empty() ? "state hash" : c.obtained.metric,
                trend.empty() ? "" : fmt::format(" ({})", trend), c.message,
-               gate::reproduce(suite, c));
+               gate::reproduce(result.command, c));
   }
   for (const gate::Comparison& c : result.comparisons) {
     if (c.finding != Finding::open) continue;
@@ -108,9 +107,24 @@ gate::CheckResult check_with_progress(const Plan& plan, const std::vector<Cell>&
   return gate::check(plan, cells, catalogues, reference, how, machine, callbacks);
 }
 
+// All that the check was asked for but --engine and --only, which each line brings along; nothing
+// that would be written again.
+std::string command_of(const CheckOptions& options) {
+  std::vector<std::string> words = {"brickbench", "check", options.suite};
+  if (options.reference != CheckOptions().reference) {
+    words.insert(words.end(), {"--reference", options.reference});
+  }
+  for (const std::string& setting : options.overrides.set) {
+    words.insert(words.end(), {"--set", setting});
+  }
+  if (options.all_starts) words.emplace_back("--all-starts");
+  return shell_command(words);
+}
+
 int check(CheckOptions options) {
   const Catalogues catalogues = all_catalogues();
-  const bool path = options.suite.find('/') != std::string::npos;
+  const bool path =
+      options.suite.find('/') != std::string::npos || options.suite.ends_with(".toml");
   const auto file = find_plan(path ? options.suite : "gate_" + options.suite);
   if (!file) return complain(file.error().text(), k_exit_bad_input);
   const auto plan = read_plan(*file, catalogues, options.overrides);
@@ -122,17 +136,24 @@ int check(CheckOptions options) {
   const auto reference = gate::read_suite(reference_folder);
   if (!reference) return complain(reference.error());
 
+  for (const std::string& out : {options.obtained, options.junit}) {
+    if (auto ok = check_is_new(out); !ok) return complain(ok.error());
+  }
   gate::CheckPlan how;
   how.all_starts = options.all_starts;
   const Machine machine = this_machine();
-  const gate::CheckResult result =
+  gate::CheckResult result =
       check_with_progress(*plan, *cells, catalogues, *reference, how, machine);
+  result.command = command_of(options);
 
   const std::filesystem::path folder =
       options.obtained.empty() ? next_obtained(suite) : std::filesystem::path(options.obtained);
   if (auto ok = gate::write_suite(folder / suite, result.obtained); !ok)
     return complain(ok.error());
   if (!options.junit.empty()) {
+    std::error_code ignored;
+    std::filesystem::create_directories(std::filesystem::path(options.junit).parent_path(),
+                                        ignored);
     if (auto ok = write_new_file(options.junit, gate::junit(suite, result)); !ok) {
       return complain(ok.error());
     }
@@ -143,7 +164,7 @@ int check(CheckOptions options) {
   const int code = gate::exit_code(result);
   if (options.json) {
     auto records = Json::array();
-    for (const auto& c : result.comparisons) records.push_back(comparison_json(suite, c));
+    for (const auto& c : result.comparisons) records.push_back(comparison_json(result.command, c));
     fmt::print("{}\n",
                Json({{"suite", suite},
                      {"exit_code", code},
@@ -154,7 +175,7 @@ int check(CheckOptions options) {
                      {"records", records}})
                    .dump(2));
   } else {
-    print_text(suite, result, options.worst, folder.string());
+    print_text(result, options.worst, folder.string());
   }
   return code;
 }

@@ -11,6 +11,7 @@
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/record/file.hpp"
 #include "reports/src/compare.hpp"
 #include "reports/src/ensemble_report.hpp"
 #include "reports/src/html_sections.hpp"
@@ -102,6 +103,7 @@ std::pair<std::string, std::string> short_labels(const std::string& a, const std
 }
 
 int compare_folders(const CompareOptions& options) {
+  if (auto ok = check_is_new(options.out); !ok) return complain(ok.error());
   const auto sources = read_sources({options.a, options.b});
   if (!sources) return complain(sources.error());
   const FolderComparison comparison = compare(sources->front(), sources->back());

@@ -13,6 +13,7 @@
 #include "experiments/gate/defect_map.hpp"
 #include "experiments/gate/law_profile.hpp"
 #include "experiments/record/schema.hpp"
+#include "experiments/run/plan.hpp"
 #include "experiments/run/selector.hpp"
 
 namespace brickbench {
@@ -56,16 +57,23 @@ Expected<Scene> scene_of(const OracleOptions& options, const Catalogues& catalog
   return build(*scenario, values);
 }
 
-// Throws InputError.
-std::vector<EngineVariant> engines_of(const std::vector<std::string>& texts,
-                                      const Catalogues& catalogues) {
+Checked<std::vector<EngineVariant>> engines_of(const std::vector<std::string>& texts,
+                                               const std::string& option,
+                                               const Catalogues& catalogues) {
   std::vector<EngineVariant> engines;
   for (const std::string& text : texts) {
-    const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
-    for (const EngineVariant& engine : select(selector, catalogues)) engines.push_back(engine);
+    const auto selector = parse_selector(text, {.file = option}, catalogues, true);
+    if (!selector) return tl::unexpected(selector.error());
+    for (const EngineVariant& engine : select(*selector, catalogues)) engines.push_back(engine);
   }
   return engines;
 }
+
+// The engines of --engine and of --against.
+struct Chosen {
+  std::vector<EngineVariant> engines;
+  std::vector<EngineVariant> others;
+};
 
 Settings settings_of(const OracleOptions& options, const EngineVariant& engine) {
   return {.step_s = options.step_s, .variant = engine.variant, .knobs = {}, .threads = 1};
@@ -121,16 +129,15 @@ void print_laws_head(const OracleOptions& options, Form form) {
   }
 }
 
-int laws(const OracleOptions& options, const Catalogues& catalogues) {
+int laws(const OracleOptions& options, const Catalogues& catalogues, const Chosen& chosen) {
   const auto scene = scene_of(options, catalogues);
   if (!scene) return complain(scene.error());
   const Form form = form_of(options);
   auto records = Json::array();
   int code = k_exit_fine;
   print_laws_head(options, form);
-  const auto engines = engines_of(options.engines, catalogues);
-  Progress progress(engines.size());
-  for (const EngineVariant& engine : engines) {
+  Progress progress(chosen.engines.size());
+  for (const EngineVariant& engine : chosen.engines) {
     progress.begin(engine.label());
     const Adapter& adapter = *find_adapter(catalogues, engine.engine);
     const Settings settings = settings_of(options, engine);
@@ -170,17 +177,16 @@ void print_defect(const Scene& scene, const gate::StepDefect& d) {
       d.contact_m.x(), d.contact_m.y(), d.contact_m.z(), d.gap_m);
 }
 
-int defect(const OracleOptions& options, const Catalogues& catalogues) {
+int defect(const OracleOptions& options, const Catalogues& catalogues, const Chosen& chosen) {
   constexpr double share = 0.01;  // of the lightest body's weight times step
   const auto scene = scene_of(options, catalogues);
   if (!scene) return complain(scene.error());
-  const auto others = engines_of({options.against}, catalogues);
   auto records = Json::array();
   int code = k_exit_fine;
-  for (const EngineVariant& a : engines_of(options.engines, catalogues)) {
+  for (const EngineVariant& a : chosen.engines) {
     const auto recording = gate::record(*find_adapter(catalogues, a.engine),
                                         settings_of(options, a), *scene, steps_of(options));
-    for (const EngineVariant& b : others) {
+    for (const EngineVariant& b : chosen.others) {
       const std::string id = a.label() + " continued by " + b.label();
       auto map =
           recording ? gate::defect_map(*find_adapter(catalogues, b.engine), settings_of(options, b),
@@ -257,9 +263,9 @@ void print_confusion(const std::string& engine, const gate::Confusion& c, Form f
              engine, c.stands_stood, c.stands_moved, c.falls_stood, c.falls_moved, notes);
 }
 
-int statics(const OracleOptions& options, const Catalogues& catalogues) {
+int statics(const OracleOptions& options, const Catalogues& catalogues, const Chosen& chosen) {
   constexpr std::uint64_t seed = 1;
-  const auto engines = engines_of(options.engines, catalogues);
+  const std::vector<EngineVariant>& engines = chosen.engines;
   const auto assemblies = gate::labelled_assemblies(options.count, seed);
   if (assemblies.size() < options.count) {
     return complain(fmt::format("only {} assemblies have a strict label", assemblies.size()),
@@ -307,14 +313,22 @@ int statics(const OracleOptions& options, const Catalogues& catalogues) {
   return code;
 }
 
-using Action = int (*)(const OracleOptions&, const Catalogues&);
+using Action = int (*)(const OracleOptions&, const Catalogues&, const Chosen&);
 
-int guarded(Action action, const OracleOptions& options) {
-  try {
-    return action(options, all_catalogues());
-  } catch (const InputError& error) {
-    return complain(error.text(), k_exit_bad_input);
+int act(Action action, const OracleOptions& options) {
+  if (const double steps = options.duration_s / options.step_s; !(steps <= k_most_steps)) {
+    return complain(fmt::format("--duration {} in steps of {} s is {:.3g} steps; at most {:.0e}",
+                                options.duration_s, options.step_s, steps, k_most_steps),
+                    k_exit_bad_input);
   }
+  const Catalogues catalogues = all_catalogues();
+  const auto engines = engines_of(options.engines, "--engine", catalogues);
+  if (!engines) return complain(engines.error().text(), k_exit_bad_input);
+  const std::vector<std::string> against =
+      options.against.empty() ? std::vector<std::string>{} : std::vector{options.against};
+  const auto others = engines_of(against, "--against", catalogues);
+  if (!others) return complain(others.error().text(), k_exit_bad_input);
+  return action(options, catalogues, {*engines, *others});
 }
 
 CLI::App* add(CLI::App& parent, Invocation& invocation, const std::string& name,
@@ -332,7 +346,7 @@ CLI::App* add(CLI::App& parent, Invocation& invocation, const std::string& name,
   if (action != defect) {
     verb->add_flag("--markdown", options->markdown, "The result as Markdown")->excludes(json);
   }
-  verb->callback([=, &invocation] { invocation.exit_code = guarded(action, *options); });
+  verb->callback([=, &invocation] { invocation.exit_code = act(action, *options); });
   return verb;
 }
 

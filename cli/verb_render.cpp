@@ -212,12 +212,7 @@ Expected<std::vector<OutputFile>> draw(const RenderOptions& options) {
 }
 
 int render(const RenderOptions& options) {
-  if (fs::exists(fs::symlink_status(options.out))) {
-    return complain(
-        Failure{Fault::invalid, fmt::format("'{}' exists already; nothing is written over, "
-                                            "name a new folder",
-                                            options.out)});
-  }
+  if (auto ok = check_is_new(options.out); !ok) return complain(ok.error());
   const auto files = draw(options);
   if (!files) return complain(files.error());
   if (auto ok = write_folder(options.out, *files); !ok) return complain(ok.error());

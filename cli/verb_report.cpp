@@ -7,6 +7,7 @@
 #include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/record/file.hpp"
 
 namespace brickbench {
 namespace {
@@ -21,6 +22,7 @@ struct ReportVerbOptions {
 };
 
 int report(const ReportVerbOptions& options) {
+  if (auto ok = check_is_new(options.out); !ok) return complain(ok.error());
   auto sources = read_sources(options.folders);
   if (!sources) return complain(sources.error());
   fold_validations(*sources);

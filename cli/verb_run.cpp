@@ -130,10 +130,10 @@ void print_tables(const std::filesystem::path& folder, const RunResult& result) 
 }
 
 int run(const RunOptions& options, const Invocation& invocation) {
-  const auto work = planned_work(options.choice, invocation.arguments);
+  auto work = planned_work(options.choice, invocation.arguments);
   if (!work) return k_exit_bad_input;
   if (auto ok = check_recordable(work->cells); !ok) return complain(ok.error());
-  const auto folder = new_results_folder(options.out, work->plan);
+  const auto folder = new_results_folder(options.out, *work);
   if (!folder) return complain(folder.error());
   const RunResult result = run_with_progress(*work, *folder);
 

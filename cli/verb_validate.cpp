@@ -14,6 +14,7 @@
 #include "experiments/exact/order.hpp"
 #include "experiments/exact/sketch.hpp"
 #include "experiments/exact/validate.hpp"
+#include "experiments/record/file.hpp"
 #include "experiments/run/plan_files.hpp"
 #include "experiments/run/selector.hpp"
 
@@ -153,12 +154,9 @@ Expected<std::vector<EngineVariant>> engines_of(const ValidateOptions& options,
                                                 const KnobValues& knobs) {
   std::vector<EngineVariant> engines;
   for (const std::string& text : options.engines) {
-    try {
-      const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
-      for (const EngineVariant& engine : select(selector, catalogues)) engines.push_back(engine);
-    } catch (const InputError& error) {
-      return fail(Fault::invalid, error.text());
-    }
+    const auto selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
+    if (!selector) return fail(Fault::invalid, selector.error().text());
+    for (const EngineVariant& engine : select(*selector, catalogues)) engines.push_back(engine);
   }
   for (const EngineVariant& engine : engines) {
     const Settings settings{.variant = engine.variant, .knobs = knobs};
@@ -186,8 +184,8 @@ Expected<void> check_company(const ValidateOptions& options, std::size_t cases) 
   if (!options.out.empty() && (symmetry || stable || options.predict || options.scan > 0)) {
     return refuse("--out saves the table of cases, or with --order their orders, only");
   }
-  if (!options.out.empty()) return can_make(options.out);
-  return {};
+  if (auto ok = check_is_new(options.figures); !ok) return ok;
+  return check_is_new(options.out);
 }
 
 // Questions of the file asked for, or of the tree that the plans come from.

@@ -9,6 +9,7 @@
 
 #include "experiments/gate/observe.hpp"
 #include "experiments/record/markup.hpp"
+#include "experiments/record/provenance.hpp"
 
 namespace brickbench::gate {
 namespace {
@@ -113,9 +114,19 @@ int exit_code(const CheckResult& result) {
   return code;
 }
 
-std::string reproduce(const std::string& suite, const Comparison& comparison) {
-  return fmt::format("brickbench check {} --engine {} --only {}", suite, comparison.obtained.engine,
-                     comparison.experiment);
+std::string reproduce(const std::string& command, const Comparison& comparison) {
+  std::vector<std::string> words = {"--engine", comparison.obtained.engine, "--only",
+                                    comparison.experiment};
+  const std::string& axes = comparison.obtained.axes;
+  for (std::size_t at = 0; at < axes.size();) {
+    const std::size_t end = std::min(axes.find(';', at), axes.size());
+    const std::string axis = axes.substr(at, end - at);
+    if (axis.starts_with("knob.")) {
+      words.insert(words.end(), {"--set", comparison.experiment + '.' + axis});
+    }
+    at = end + 1;
+  }
+  return command + ' ' + shell_command(words);
 }
 
 std::string junit(const std::string& suite, const CheckResult& result) {
@@ -127,7 +138,7 @@ std::string junit(const std::string& suite, const CheckResult& result) {
     if (is_red(c)) {
       ++failures;
       cases += fmt::format("<failure type=\"{}\" message=\"{}\">{}</failure>", to_word(c.finding),
-                           escape_markup(c.message), escape_markup(reproduce(suite, c)));
+                           escape_markup(c.message), escape_markup(reproduce(result.command, c)));
     } else if (!is_compared(c)) {
       cases += fmt::format("<skipped message=\"{}\"/>", escape_markup(c.message));
     }

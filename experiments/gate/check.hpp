@@ -14,6 +14,7 @@ struct CheckResult {
   Suite obtained;
   std::vector<CellOutcome> cells;  // that were run
   std::size_t cells_spared = 0;    // that the sequential design did not need
+  std::string command;             // of this check, for the shell, without --engine and --only
 };
 
 struct CheckPlan {
@@ -36,8 +37,9 @@ CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalo
 // numbers without reference, or nothing at all that could be compared.
 int exit_code(const CheckResult& result);
 
-// The command that runs the one experiment behind a comparison again.
-std::string reproduce(const std::string& suite, const Comparison& comparison);
+// The command that makes the comparison again, from CheckResult::command: the one experiment of the
+// one engine, with the knobs that a plan may have turned for it.
+std::string reproduce(const std::string& command, const Comparison& comparison);
 
 // One <testcase> per record, with the message of every red one (the JUnit XML of Apache Ant).
 std::string junit(const std::string& suite, const CheckResult& result);

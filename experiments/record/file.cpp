@@ -89,6 +89,28 @@ Expected<void> create_new_folder(const std::filesystem::path& folder) {
               fmt::format("cannot create folder '{}': {}", folder.string(), system_reason(errno)));
 }
 
+Expected<void> check_is_new(const std::filesystem::path& out) {
+  namespace fs = std::filesystem;
+  if (out.empty()) return {};
+  std::error_code error;
+  if (fs::exists(fs::symlink_status(out, error))) {
+    return fail(
+        Fault::invalid,
+        fmt::format("'{}' exists already; nothing is written over, name a new one", out.string()));
+  }
+  fs::path above = fs::absolute(out, error).parent_path();
+  while (above.has_relative_path() && !fs::exists(above, error)) above = above.parent_path();
+  if (!fs::is_directory(above, error)) {
+    return fail(Fault::invalid, fmt::format("cannot make '{}': '{}' is not a folder", out.string(),
+                                            above.string()));
+  }
+  if (::access(above.c_str(), W_OK | X_OK) != 0) {
+    return fail(Fault::invalid,
+                fmt::format("cannot make '{}': {}", out.string(), system_reason(errno)));
+  }
+  return {};
+}
+
 NewFile::NewFile(std::filesystem::path file, std::filesystem::path temporary, int descriptor)
     : file_(std::move(file)), temporary_(std::move(temporary)), descriptor_(descriptor) {}
 

@@ -13,6 +13,11 @@ namespace brickbench {
 // Creates the folder and its parents; Fault::invalid if it exists already or cannot be created.
 Expected<void> create_new_folder(const std::filesystem::path& folder);
 
+// Whether a file or folder of this name could be made, asked before the work whose result goes
+// there: Fault::invalid if the name is taken, or if the folder above it is a file or cannot be
+// written to. An empty name is fine: nothing was asked for.
+Expected<void> check_is_new(const std::filesystem::path& out);
+
 // Writes `file` whole; Fault::invalid if it exists, Fault::crashed if the disk refuses (the reason
 // is the system's). On failure nothing is left behind.
 Expected<void> write_new_file(const std::filesystem::path& file, std::string_view content);

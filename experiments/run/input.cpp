@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "experiments/record/schema.hpp"
@@ -174,6 +175,26 @@ const std::string& filled_text(const InputValue& value, std::string_view name) {
   expect(value, name, ValueKind::text);
   if (value.text.empty()) reject(value.at, fmt::format("{} must not be empty", name));
   return value.text;
+}
+
+const std::string& file_word(const InputValue& value, std::string_view name) {
+  constexpr std::size_t k_most_bytes = 100;
+  constexpr std::string_view k_signs = "_-+. ";
+  const std::string& text = filled_text(value, name);
+  const auto fits = [&](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= 0x80 || std::isalnum(byte) != 0 || k_signs.find(c) != std::string_view::npos;
+  };
+  const bool begins = std::string_view("-. ").find(text.front()) == std::string_view::npos;
+  const bool keeps_free = text != "knob" && !text.ends_with(".knob");
+  if (!std::ranges::all_of(text, fits) || !begins || !keeps_free || text.size() > k_most_bytes) {
+    reject(
+        value.at,
+        fmt::format("{} \"{}\" must be of letters, digits, blanks and _ - + . alone, begin with a "
+                    "letter, digit, _ or +, not be or end in a knob, and have at most {} bytes",
+                    name, text, k_most_bytes));
+  }
+  return text;
 }
 
 std::vector<const InputValue*> one_or_more(const InputValue& value, std::string_view name) {

@@ -77,6 +77,10 @@ double finite_number(const InputValue& value, std::string_view name);
 double positive_number(const InputValue& value, std::string_view name);
 // A string that is not empty.
 const std::string& filled_text(const InputValue& value, std::string_view name);
+// A name that may become part of a file's name and of a command: letters, digits, '_', '-', '+',
+// '.', blanks and letters beyond ASCII, at most 100 bytes; it begins with none of '.', '-' and
+// blank, and is not "knob", which --set keeps for itself.
+const std::string& file_word(const InputValue& value, std::string_view name);
 // The items of an array that is not empty, or the value itself.
 std::vector<const InputValue*> one_or_more(const InputValue& value, std::string_view name);
 

@@ -63,10 +63,18 @@ Setting parse_setting(const std::string& text) {
   return setting;
 }
 
-// Turns the knob of every engine that the experiment chooses.
+// Turns the knob of every engine that the experiment chooses, be it a list of engines or one. An
+// experiment without engines is rejected when it is read.
 void turn_knob(InputValue& experiment, const Entry& knob) {
   InputValue* engines = find_mutable(experiment, "engines");
-  if (engines == nullptr || engines->kind != ValueKind::array) return;
+  if (engines == nullptr) return;
+  if (engines->kind != ValueKind::array) {
+    InputValue list;
+    list.kind = ValueKind::array;
+    list.at = engines->at;
+    list.items.push_back(std::move(*engines));
+    *engines = std::move(list);
+  }
   for (InputValue& item : engines->items) {
     if (item.kind != ValueKind::table) {
       InputValue table;

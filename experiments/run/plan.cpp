@@ -33,12 +33,12 @@ std::vector<EngineChoice> engine_choices(const InputValue& value, const Catalogu
       const InputValue* engine = item->find("engine");
       if (engine == nullptr) reject(item->at, "an entry of engines needs the key 'engine'");
       choice.selector =
-          parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, true);
+          expect_selector(filled_text(*engine, "engine"), engine->at, catalogues, true);
       if (const InputValue* knobs = item->find("knobs")) {
         choice.knobs = knob_axes(*knobs, choice.selector, catalogues);
       }
     } else {
-      choice.selector = parse_selector(filled_text(*item, "engines"), item->at, catalogues, true);
+      choice.selector = expect_selector(filled_text(*item, "engines"), item->at, catalogues, true);
     }
     matched += select(choice.selector, catalogues).size();
     choices.push_back(std::move(choice));
@@ -75,7 +75,8 @@ std::vector<Rule> rules(const InputValue& list, bool with_outcome, const Scenari
     if (why == nullptr) reject(item.at, fmt::format("an entry of {} needs 'why'", what));
     rule.why = filled_text(*why, "why");
     if (engine != nullptr) {
-      rule.selector = parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, false);
+      rule.selector =
+          expect_selector(filled_text(*engine, "engine"), engine->at, catalogues, false);
       // In a rule the bare name means all variants: a rule is about the engine.
       if (rule.selector->variant.empty()) rule.selector->variant = "*";
     }
@@ -153,6 +154,11 @@ std::vector<double> step_list(const InputValue& value, double duration_s) {
   const Axis steps = axis("step_s", value, [&](const InputValue& item) {
     const double step_s = positive_number(item, "step_s");
     const double count = duration_s / step_s;
+    if (!(count <= k_most_steps)) {
+      reject(item.at, fmt::format("duration_s = {} in steps of {} s is {:.3g} steps; a cell has at "
+                                  "most {:.0e}",
+                                  duration_s, step_s, count, k_most_steps));
+    }
     if (std::round(count) < 1.0 ||
         std::abs(count - std::round(count)) > k_whole_steps_tolerance * count) {
       reject(item.at, fmt::format("duration_s = {} is not a whole number of steps of {} s",
@@ -207,7 +213,7 @@ Experiment experiment(const InputValue& table, const Catalogues& catalogues) {
   result.scenario = scenario.name;
   result.at = table.at;
   const InputValue* name = table.find("name");
-  result.name = name == nullptr ? scenario.name : filled_text(*name, "name");
+  result.name = name == nullptr ? scenario.name : file_word(*name, "name");
   result.engines = engine_choices(required(table, "engines"), catalogues);
   const InputValue* duration = table.find("duration_s");
   result.duration_s =
@@ -246,7 +252,7 @@ BenchChoice bench_choice(const InputValue& table, const Catalogues& catalogues) 
   const InputValue* base = table.find("base");
   if (base == nullptr) reject(table.at, "bench needs the key 'base'");
   BenchChoice result;
-  result.base = parse_selector(filled_text(*base, "base"), base->at, catalogues, false);
+  result.base = expect_selector(filled_text(*base, "base"), base->at, catalogues, false);
   if (const InputValue* repeat = table.find("repeat")) {
     const double rounds = expect(*repeat, "repeat", ValueKind::integer).number;
     if (rounds < 1.0 || rounds > 1000.0) reject(repeat->at, "repeat must be from 1 to 1000");

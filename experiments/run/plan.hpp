@@ -14,6 +14,10 @@
 
 namespace brickbench {
 
+// A cell of more steps is refused: at a microsecond each, a quarter of an hour, and rows with a
+// time per step would no longer fit in memory.
+inline constexpr double k_most_steps = 1e9;
+
 // One name with the values that it takes in turn.
 struct Axis {
   std::string name;

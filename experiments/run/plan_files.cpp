@@ -8,9 +8,10 @@ namespace brickbench {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_file(const fs::path& path) {
+// A pipe is as good as a file on a disk: /dev/stdin, <(...).
+bool is_readable(const fs::path& path) {
   std::error_code error;
-  return fs::is_regular_file(path, error);
+  return fs::exists(path, error) && !fs::is_directory(path, error);
 }
 
 fs::path program_folder() {
@@ -49,7 +50,7 @@ std::vector<fs::path> plan_folders() {
 }
 
 Checked<fs::path> find_plan(const std::string& name) {
-  if (is_file(name)) return fs::path(name);
+  if (is_readable(name)) return fs::path(name);
   std::vector<std::string> known;
   for (const fs::path& file : all_plans()) {
     if (file.stem() == name || file.filename() == name) return file;

@@ -13,8 +13,8 @@ namespace brickbench {
 // was built from; those that exist.
 std::vector<std::filesystem::path> plan_folders();
 
-// `name` is a path, or the name of a file in one of the folders, with or without ".toml". The path
-// is relative to the current folder where the file lies below it.
+// `name` is a path, also of a pipe, or the name of a file in one of the folders, with or without
+// ".toml". The path is relative to the current folder where the file lies below it.
 Checked<std::filesystem::path> find_plan(const std::string& name);
 
 // All *.toml of those folders, by name; of equal names the one that find_plan() would take.

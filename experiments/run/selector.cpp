@@ -35,8 +35,17 @@ void check_variant(const Selector& selector, const Catalogues& catalogues) {
 
 }  // namespace
 
-Selector parse_selector(const std::string& text, const SourcePosition& at,
-                        const Catalogues& catalogues, bool must_be_linked) {
+Checked<Selector> parse_selector(const std::string& text, const SourcePosition& at,
+                                 const Catalogues& catalogues, bool must_be_linked) {
+  try {
+    return expect_selector(text, at, catalogues, must_be_linked);
+  } catch (const InputError& error) {
+    return tl::unexpected(error);
+  }
+}
+
+Selector expect_selector(const std::string& text, const SourcePosition& at,
+                         const Catalogues& catalogues, bool must_be_linked) {
   Selector selector{.text = text, .engine = text, .variant = "", .at = at};
   if (text == "all") selector.engine = "*";
   if (const auto slash = text.find('/'); slash != std::string::npos) {

@@ -31,10 +31,14 @@ struct EngineVariant {
   std::string label() const { return engine + '/' + variant; }
 };
 
-// Throws InputError for an engine that the project does not know, or a variant that a linked engine
-// does not have. `must_be_linked`: also for a named engine that this build lacks.
-Selector parse_selector(const std::string& text, const SourcePosition& at,
-                        const Catalogues& catalogues, bool must_be_linked);
+// An error for an engine that the project does not know, or a variant that a linked engine does not
+// have. `must_be_linked`: also for a named engine that this build lacks.
+Checked<Selector> parse_selector(const std::string& text, const SourcePosition& at,
+                                 const Catalogues& catalogues, bool must_be_linked);
+
+// The same for readers of input trees (input.hpp), who reject by throwing InputError.
+Selector expect_selector(const std::string& text, const SourcePosition& at,
+                         const Catalogues& catalogues, bool must_be_linked);
 
 // In the order of the catalogue; may be empty.
 std::vector<EngineVariant> select(const Selector& selector, const Catalogues& catalogues);

@@ -79,7 +79,7 @@ TrajectoryChoice trajectory_choice(const InputValue& table, std::vector<std::str
   if (const InputValue* engines = table.find("engines")) {
     for (const InputValue* item : one_or_more(*engines, "engines")) {
       choice.engines.push_back(
-          parse_selector(filled_text(*item, "engines"), item->at, catalogues, false));
+          expect_selector(filled_text(*item, "engines"), item->at, catalogues, false));
     }
   }
   if (const InputValue* cells = table.find("cells")) {

@@ -119,7 +119,12 @@ TEST_F(Program, BadInputIsExitTwoWithAReasonAndLeavesNothing) {
   const std::string file = put("file", "");
   const std::vector<std::pair<std::string, std::string>> table = {
       {"", "subcommand"},
-      {"fly", ""},
+      {"fly", "no verb 'fly'"},
+      {"runn " + plan, "did you mean 'run'?"},
+      {"sweep runn", "did you mean 'run'?"},
+      {"oracle law", "did you mean 'laws'?"},
+      {"run " + plan + " --set step_s=1e-300 --out " + path("x"), "at most 1e+09"},
+      {"oracle laws brick_drop --step 1e-300", "at most 1e+09"},
       {"run", "plan"},
       {"run no_such_plan", "no such plan file"},
       {"run " + plan + " --set step_s=0 --out " + path("x"), "--set step_s=0:1:8: step_s = 0"},
@@ -141,6 +146,60 @@ TEST_F(Program, BadInputIsExitTwoWithAReasonAndLeavesNothing) {
   }
   EXPECT_EQ(wrong, "");
   EXPECT_EQ(files(), before);
+}
+
+// Whatever a verb would write is asked for before its work, not after.
+TEST_F(Program, ExistingOutputsAreRefusedBeforeTheRun) {
+  const std::string plan = put("plan.toml", k_plan);
+  fs::create_directories(folder_ / "there");
+  const std::string file = put("file", "kept");
+  const std::string there = path("there");
+  const std::vector<std::string> verbs = {
+      "run " + plan + " --out " + there,
+      "check " + plan + " --reference " + path("none") + " --obtained " + there,
+      "check " + plan + " --reference " + path("none") + " --obtained " + path("new") +
+          " --junit " + file,
+      "check " + plan + " --reference " + path("none") + " --obtained " + file + "/new",
+      "validate --case impact.cradle --out " + there,
+      "validate --figures " + there,
+      "validate --case impact.cradle --out " + file + "/new",
+      "report " + path("nothing") + " --out " + there,
+      "render " + path("nothing") + " --out " + there,
+      "compare " + path("nothing") + ' ' + path("nothing") + " --out " + there,
+  };
+  const std::size_t before = files() + 2;
+  for (const std::string& verb : verbs) {
+    const Answer answer = ask(verb);
+    EXPECT_EQ(answer.code, 2) << verb;
+    EXPECT_TRUE(answer.err.find("exists already") != std::string::npos ||
+                answer.err.find("cannot ") != std::string::npos)
+        << verb << ": " << answer.err;
+    EXPECT_EQ(answer.err.find("[1/"), std::string::npos) << verb << " ran first";
+    EXPECT_EQ(files(), before) << verb;
+  }
+  EXPECT_EQ(*read_file(file), "kept");
+}
+
+TEST_F(Program, APlanFromAPipeRunsAndItsCellsAreRepeatedFromTheCopy) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  const std::string plan = put("plan.toml", k_plan);
+  const std::string program = BRICKBENCH_PROGRAM;
+  const auto shell = [&](const std::string& line) {
+    return std::system((line + " >" + path("out") + " 2>" + path("err")).c_str());
+  };
+  EXPECT_EQ(shell("cat " + plan + " | " + program + " run /dev/stdin --out " + path("piped")), 0)
+      << *read_file(folder_ / "err");
+  EXPECT_EQ(shell("bash -c '" + program + " run <(cat " + plan + ") --out " + path("fed") + "'"), 0)
+      << *read_file(folder_ / "err");
+  const auto results = read_results(folder_ / "piped");
+  ASSERT_TRUE(results.has_value()) << results.error().reason;
+  EXPECT_EQ(results->provenance.plan, path("piped/plan.toml"));
+  const std::string again = reproduce_command(results->rows.front(), results->provenance.plan);
+  ASSERT_TRUE(again.starts_with("brickbench ")) << again;
+  EXPECT_EQ(shell(program + again.substr(10) + " --out " + path("again")), 0) << again;
+  const auto repeated = read_results(folder_ / "again");
+  ASSERT_TRUE(repeated.has_value()) << repeated.error().reason;
+  EXPECT_EQ(repeated->rows.front().state_hash, results->rows.front().state_hash);
 }
 
 TEST_F(Program, BlessSaysWhereThereIsNothingToBless) {

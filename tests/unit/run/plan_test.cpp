@@ -27,6 +27,10 @@ Checked<std::vector<Cell>> cells_of(const std::string& text, const Overrides& ov
   return expand(*plan, catalogues);
 }
 
+Checked<Plan> read(const std::string& text, const Overrides& overrides = {}) {
+  return parse_plan(text, "p.toml", fake_catalogues(), overrides);
+}
+
 struct BadInput {
   const char* name;
   std::string text;
@@ -144,9 +148,57 @@ INSTANTIATE_TEST_SUITE_P(
                  "p.toml:8:39:", "did you mean 'diverged'?"},
         BadInput{"unknown_metric", with("metrics = [\"fal\"]"),
                  "p.toml:8:12:", "did you mean 'fall'?"},
+        BadInput{"step_of_nothing",
+                 plan_text("scenario = \"fall\"\nengines = [\"good\"]\nstep_s = 1e-300\n"),
+                 "p.toml:6:10:", "at most 1e+09"},
+        BadInput{"infinite_quotient",
+                 plan_text("scenario = \"fall\"\nengines = [\"good\"]\nstep_s = 1e-300\n"
+                           "duration_s = 1e300\n"),
+                 "p.toml:6:10:", "inf steps"},
         BadInput{"same_name_twice", plan_text(std::string(k_good) + "\n[[experiment]]\n" + k_good),
                  "p.toml:9:1:", "are called 'fall'"}),
     [](const auto& info) { return std::string(info.param.name); });
+
+// Names become files and words of commands: none leaves its folder or is an option.
+TEST(Plan, NamesOfExperimentsStayInTheirFolder) {
+  const auto named = [](const std::string& name) {
+    return read(plan_text("name = '" + name + "'\n" + k_good));
+  };
+  for (const std::string& bad : std::vector<std::string>{
+           "../../../escaped", "/etc/passwd", "a/b", "a\\b", ".", "..", ".hidden", "-o", " a",
+           "a\tb", "a=b", "a;b", "a|b", "$(a)", "knob", "a.knob"}) {
+    const auto plan = named(bad);
+    ASSERT_FALSE(plan.has_value()) << bad;
+    EXPECT_TRUE(plan.error().text().starts_with("p.toml:4:8: ")) << plan.error().text();
+  }
+  EXPECT_FALSE(named(std::string(101, 'a')).has_value());
+  for (const std::string& good : std::vector<std::string>{"a", "hit_10", "wall 5x5", "M\u00fcller",
+                                                          "v1.2", "a-b+c", std::string(100, 'a')}) {
+    EXPECT_TRUE(named(good).has_value()) << good;
+  }
+}
+
+// A knob set from outside acts or is refused, however the plan writes its engines.
+TEST(Plan, SetTurnsAKnobHoweverEnginesAreWritten) {
+  for (const std::string& engines : std::vector<std::string>{
+           "\"good\"", "[\"good\"]", "{ engine = \"good\" }", "[{ engine = \"good\" }]",
+           "{ engine = \"good\", knobs = { iterations = [1, 2] } }",
+           "[{ engine = \"good\", knobs = { iterations = 1 } }, \"good/fancy\"]"}) {
+    const std::string text =
+        plan_text("scenario = \"fall\"\nengines = " + engines + "\nstep_s = 0.1\n");
+    for (const std::string key : {"knob.iterations", "fall.knob.iterations"}) {
+      const auto plan = read(text, {.set = {key + "=7"}, .engines = {}, .only = {}});
+      ASSERT_TRUE(plan.has_value()) << engines << plan.error().text();
+      for (const EngineChoice& choice : plan->experiments[0].engines) {
+        ASSERT_EQ(choice.knobs.size(), 1U) << engines;
+        EXPECT_EQ(choice.knobs[0].values, std::vector<ParameterValue>{7.0}) << engines;
+      }
+      const auto wrong = read(text, {.set = {"knob.iteration=7"}, .engines = {}, .only = {}});
+      ASSERT_FALSE(wrong.has_value()) << engines;
+      EXPECT_NE(wrong.error().text().find("did you mean 'iterations'?"), std::string::npos);
+    }
+  }
+}
 
 TEST(Plan, MissingFileIsNamed) {
   const auto plan = read_plan("no/such.toml", fake_catalogues());
@@ -212,13 +264,16 @@ TEST(Plan, ZippedAxesAdvanceTogether) {
 TEST(Plan, SelectorsMeanWhatTheySay) {
   const Catalogues catalogues = fake_catalogues();
   const auto count = [&](const char* text) {
-    return select(parse_selector(text, {}, catalogues, true), catalogues).size();
+    return select(*parse_selector(text, {}, catalogues, true), catalogues).size();
   };
   EXPECT_EQ(count("all"), 6U);
   EXPECT_EQ(count("good"), 1U);
   EXPECT_EQ(count("good/*"), 2U);
   EXPECT_EQ(count("*/fancy"), 6U);
   EXPECT_EQ(count("*/*"), 12U);
+  for (const char* text : {"nobody", "good/nothing", "good/", "/", ""}) {
+    EXPECT_FALSE(parse_selector(text, {}, catalogues, true).has_value()) << text;
+  }
 }
 
 TEST(Plan, AnEngineIsTakenOnceHoweverOftenItIsNamed) {

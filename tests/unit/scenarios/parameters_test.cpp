@@ -173,6 +173,11 @@ TEST(NearestName, CountsEditsAndTakesTheFirstOfEquals) {
   EXPECT_EQ(nearest_name("rat", known), "bat");
   EXPECT_EQ(nearest_name("hose", known), "house");
   EXPECT_EQ(nearest_name("x", {}), "");
+  const std::vector<std::string> keys = {"friction", "restitution", "brick_length_m",
+                                         "drop_height_m", "step_s"};
+  EXPECT_EQ(nearest_name("brick_size", keys), "brick_length_m") << "shares a word";
+  EXPECT_EQ(nearest_name("height", keys), "drop_height_m") << "is a part";
+  EXPECT_EQ(nearest_name("steps", keys), "step_s") << "a slip comes before a shared word";
 }
 
 }  // namespace
