@@ -17,6 +17,7 @@
 #include <cmath>
 
 #include "adapters/seam/knob_table.hpp"
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench {
 namespace {
@@ -31,12 +32,6 @@ Eigen::Quaterniond exponential(const Eigen::Vector3d& angle_rad) {
   const double angle = angle_rad.norm();
   if (angle == 0.0) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, angle_rad / angle));
-}
-
-double bounding_radius_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
-  return 0.0;
 }
 
 class FreeFlight final : public Simulation, StateView, AuditView {
@@ -113,11 +108,10 @@ class FreeFlight final : public Simulation, StateView, AuditView {
   double gap_m(std::size_t moving, std::size_t other) const {
     const Body& obstacle = world_.bodies[other];
     const Eigen::Vector3d apart = states_[moving].position_m - states_[other].position_m;
-    const bool plane = std::holds_alternative<PlaneShape>(obstacle.shape);
-    const double distance_m =
-        plane ? apart.dot(states_[other].orientation * Eigen::Vector3d::UnitZ()) : apart.norm();
-    return distance_m - bounding_radius_m(world_.bodies[moving].shape) -
-           bounding_radius_m(obstacle.shape);
+    const double distance_m = is_half_space(obstacle.shape)
+                                  ? apart.dot(states_[other].orientation * Eigen::Vector3d::UnitZ())
+                                  : apart.norm() - bounding_radius_m(obstacle.shape);
+    return distance_m - bounding_radius_m(world_.bodies[moving].shape);
   }
 
   Expected<void> refuse_contact() const {

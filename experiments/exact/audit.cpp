@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench::exact {
 namespace {
 
@@ -22,14 +24,7 @@ std::string text(const Eigen::Vector3d& v) {
 }
 
 bool same_shape(const Shape& a, const Shape& b) {
-  if (a.index() != b.index()) return false;
-  if (const auto* box = std::get_if<BoxShape>(&a)) {
-    return same(box->half_extents_m, std::get<BoxShape>(b).half_extents_m);
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&a)) {
-    return same_mass(sphere->radius_m, std::get<SphereShape>(b).radius_m);
-  }
-  return true;
+  return size_difference_m(a, b) <= k_relative * bounding_radius_m(b);
 }
 
 void compare_body(const Body& body, const BodyAudit& live, std::vector<std::string>& out) {

@@ -129,6 +129,14 @@ Vector3d between_edges(const Box& a, Index i, const Box& b, Index j, const Vecto
 
 }  // namespace
 
+const BoxShape* box_of(const Shape& shape) {
+  using Found = const BoxShape*;
+  return by_shape(
+      shape, [](const BoxShape& box) -> Found { return &box; },
+      [](const SphereShape&) -> Found { return nullptr; },
+      [](const PlaneShape&) -> Found { return nullptr; });
+}
+
 BoxPoints box_points(const Vector3d& half_a_m, const State& at_a, const Vector3d& half_b_m,
                      const State& at_b) {
   const Box a{half_a_m, at_a}, b{half_b_m, at_b};

@@ -4,9 +4,12 @@
 #include <limits>
 #include <vector>
 
-#include "adapters/seam/world.hpp"
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench::exact {
+
+// The box that the shape is, or nullptr: the maps of boxes decline everything else.
+const BoxShape* box_of(const Shape& shape);
 
 struct BoxPoint {
   Eigen::Vector3d on_b_m = Eigen::Vector3d::Zero();  // world, on the surface of b

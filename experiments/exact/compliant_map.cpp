@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "experiments/exact/box_points.hpp"
 #include "experiments/exact/scheme_map.hpp"
 
 namespace brickbench::exact {
@@ -164,7 +165,7 @@ Row make_row(const Scheme& scheme, const ExactRun& run, const PointContact& cont
 // The face of a box that lies on a larger one.
 bool is_face(const ExactRun& run, const PointContact& contact) {
   return contact.boxes && contact.central && contact.points == 4 &&
-         std::holds_alternative<BoxShape>(run.world.bodies[contact.body_b].shape);
+         box_of(run.world.bodies[contact.body_b].shape) != nullptr;
 }
 
 // Contacts of the states that act. Friction tilts a face, and each corner has a gap of its own: the

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "experiments/exact/box_points.hpp"
 #include "experiments/exact/fall_map.hpp"
 #include "experiments/exact/pivoting.hpp"
 #include "experiments/exact/scheme_map.hpp"
@@ -92,13 +93,9 @@ double margin_m(const ImpulseContact& law, const World& world, const PointContac
   if (std::isinf(law.plane_reach_share)) return law.margin_m;
   const Shape& a = world.bodies[contact.body_a].shape;
   const Shape& b = world.bodies[contact.body_b].shape;
-  const bool plane = std::holds_alternative<PlaneShape>(a) || std::holds_alternative<PlaneShape>(b);
-  if (!plane) return std::min(law.margin_m, 0.0);
-  const Shape& body = std::holds_alternative<PlaneShape>(a) ? b : a;
-  const Vector3d half_m = std::holds_alternative<SphereShape>(body)
-                              ? Vector3d(Vector3d::Constant(std::get<SphereShape>(body).radius_m))
-                              : std::get<BoxShape>(body).half_extents_m;
-  return std::min(law.margin_m, law.plane_reach_share * half_m.norm());
+  if (!is_half_space(a) && !is_half_space(b)) return std::min(law.margin_m, 0.0);
+  const Shape& body = is_half_space(a) ? b : a;
+  return std::min(law.margin_m, law.plane_reach_share * half_extents_m(body).norm());
 }
 
 std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
@@ -222,9 +219,8 @@ void shift_split(const Scheme& scheme, const World& world, const Row& row,
 }
 
 bool is_edge_on_plane(const World& world, const PointContact& contact) {
-  return contact.points > 1 &&
-         std::holds_alternative<PlaneShape>(world.bodies[contact.body_a].shape) &&
-         std::holds_alternative<BoxShape>(world.bodies[contact.body_b].shape);
+  return contact.points > 1 && is_half_space(world.bodies[contact.body_a].shape) &&
+         box_of(world.bodies[contact.body_b].shape) != nullptr;
 }
 
 // A corner of a box that a plane keeps in mind.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/step/stepper.hpp"
 
 namespace brickbench::exact {
@@ -35,16 +36,6 @@ State imaged(const State& state, const Symmetry& s) {
   out.orientation = s.turn * out.orientation;
   out.angular_velocity_radps = s.turn * (out.angular_velocity_radps / s.time);
   return out;
-}
-
-Shape scaled(const Shape& shape, double length) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    return BoxShape{length * box->half_extents_m};
-  }
-  if (const auto* ball = std::get_if<SphereShape>(&shape)) {
-    return SphereShape{length * ball->radius_m};
-  }
-  return shape;
 }
 
 // Slope of ln(difference) over time, by least squares.
@@ -84,8 +75,8 @@ World image(const World& world, const Symmetry& s) {
   out.gravity_mps2 = s.turn * (s.length / (s.time * s.time) * gravity);
   for (Body& body : out.bodies) {
     // A level plane is its own image, wherever its origin is.
-    const bool level_plane = std::holds_alternative<PlaneShape>(body.shape) &&
-                             body.initial.orientation.isApprox(Quaterniond::Identity());
+    const bool level_plane =
+        is_half_space(body.shape) && body.initial.orientation.isApprox(Quaterniond::Identity());
     body.shape = scaled(body.shape, s.length);
     body.mass_kg *= s.mass;
     body.inertia_kgm2 *= s.mass * s.length * s.length;

@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <optional>
 
+#include "experiments/exact/box_points.hpp"
 #include "experiments/exact/builders.hpp"
 #include "experiments/exact/scheme_map.hpp"
 
@@ -328,9 +330,11 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
   std::vector<TouchingPoint> points;
   for (const PointContact& contact : contacts) {
     const Shape& a = run.world.bodies[contact.body_a].shape;
-    const bool on_box = std::holds_alternative<BoxShape>(a);
-    if (std::holds_alternative<BoxShape>(run.world.bodies[contact.body_b].shape)) {
-      (on_box ? add_on_face : add_on_plane)(run, contact, states, points);
+    if (box_of(run.world.bodies[contact.body_b].shape) != nullptr) {
+      by_shape(
+          a, [&](const BoxShape&) { add_on_face(run, contact, states, points); },
+          [](const SphereShape&) { assert(!"of a box and a ball, the ball stands second"); },
+          [&](const PlaneShape&) { add_on_plane(run, contact, states, points); });
       continue;
     }
     TouchingPoint point{.body_a = contact.body_a,
@@ -338,7 +342,7 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
                         .position_m = contact.position_m,
                         .normal = contact.normal,
                         .gap_m = contact.gap_m};
-    if (std::holds_alternative<SphereShape>(a)) {
+    if (is_round(a)) {
       point.curvature_per_m =
           1.0 / (states[contact.body_b].position_m - states[contact.body_a].position_m).norm();
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/exact/sketch_view.hpp"
 
 namespace brickbench::exact {
@@ -97,11 +98,13 @@ class Drawing {
         if ((foot - centre).norm() < 2.0 * k_path_sizes * largest) see(view_.flat(foot), 0.0);
         continue;
       }
-      if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-        for (const Vector3d& corner : corners(*box, body.initial)) see(view_.flat(corner), 0.0);
-      } else {
-        see(view_.flat(body.initial.position_m), size);
-      }
+      by_shape(
+          body.shape,
+          [&](const BoxShape& box) {
+            for (const Vector3d& corner : corners(box, body.initial)) see(view_.flat(corner), 0.0);
+          },
+          [&](const SphereShape&) { see(view_.flat(body.initial.position_m), size); },
+          [&](const PlaneShape&) { see(view_.flat(body.initial.position_m), size); });
       if (body.fixed) continue;
       const Vector2d start = view_.flat(body.initial.position_m);
       for (const Vector3d& at : exact_path(i)) {
@@ -138,19 +141,20 @@ class Drawing {
 
   void draw(const Body& body, const char* colour) {
     const State& s = body.initial;
-    if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-      faces(*box, s, colour);
-    } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-      const Vector2d at = px(s.position_m);
-      put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\" fill-opacity=\"0.18\" "
-          "stroke=\"{}\" stroke-width=\"1.5\"/>",
-          at.x(), at.y(), scale_ * sphere->radius_m, colour, colour);
-    } else {
-      ground(s, colour);
-    }
+    by_shape(
+        body.shape, [&](const BoxShape& box) { faces(box, s, colour); },
+        [&](const SphereShape& ball) { circle(ball, s, colour); },
+        [&](const PlaneShape&) { ground(s, colour); });
     if (body.fixed) return;
     const Vector2d at = px(s.position_m);
     put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2\" fill=\"{}\"/>", at.x(), at.y(), colour);
+  }
+
+  void circle(const SphereShape& ball, const State& state, const char* colour) {
+    const Vector2d at = px(state.position_m);
+    put("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\" fill-opacity=\"0.18\" "
+        "stroke=\"{}\" stroke-width=\"1.5\"/>",
+        at.x(), at.y(), scale_ * ball.radius_m, colour, colour);
   }
 
   // The faces that look at the viewer.
@@ -321,12 +325,14 @@ class Drawing {
 
   static std::string describe(const Body& body) {
     std::string text = body.name + ": ";
-    if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-      const Vector3d full = 2.0 * box->half_extents_m;
-      text += number(full.x()) + " × " + number(full.y()) + " × " + number(full.z()) + " m";
-    } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-      text += "radius " + number(sphere->radius_m) + " m";
-    }
+    text += by_shape(
+        body.shape,
+        [](const BoxShape& box) {
+          const Vector3d full = 2.0 * box.half_extents_m;
+          return number(full.x()) + " × " + number(full.y()) + " × " + number(full.z()) + " m";
+        },
+        [](const SphereShape& ball) { return "radius " + number(ball.radius_m) + " m"; },
+        [](const PlaneShape&) { return std::string(); });
     if (!body.fixed) text += ", " + number(body.mass_kg) + " kg";
     return text;
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench::exact {
 
 using Eigen::Vector3d;
@@ -32,7 +34,7 @@ Vector3d liveliness(const ExactRun& run) {
     sum += Vector3d(turn.y() + turn.z(), turn.x() + turn.z(), turn.x() + turn.y());
     if (first != nullptr) sum += (s.position_m - first->initial.position_m).cwiseAbs();
     if (first == nullptr) first = &body;
-    if (std::holds_alternative<BoxShape>(body.shape)) {
+    if (!is_round(body.shape)) {
       const Vector3d tilt = 2.0 * s.orientation.vec().cwiseAbs();
       sum += Vector3d(tilt.y() + tilt.z(), tilt.x() + tilt.z(), tilt.x() + tilt.y());
     }
@@ -42,11 +44,7 @@ Vector3d liveliness(const ExactRun& run) {
 
 }  // namespace
 
-double size_of(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
-  return 0.0;
-}
+double size_of(const Shape& shape) { return is_half_space(shape) ? 0.0 : bounding_radius_m(shape); }
 
 std::array<Vector3d, 8> corners(const BoxShape& box, const State& state) {
   std::array<Vector3d, 8> points;
@@ -59,12 +57,18 @@ std::array<Vector3d, 8> corners(const BoxShape& box, const State& state) {
 
 Vector3d nearest(const Body& body, const Vector3d& point) {
   const State& s = body.initial;
-  Vector3d local = s.orientation.conjugate() * (point - s.position_m);
-  if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-    local = local.cwiseMax(-box->half_extents_m).cwiseMin(box->half_extents_m);
-  } else {
-    local.z() = 0.0;
-  }
+  const Vector3d seen = s.orientation.conjugate() * (point - s.position_m);
+  const Vector3d local = by_shape(
+      body.shape,
+      [&](const BoxShape& box) -> Vector3d {
+        return seen.cwiseMax(-box.half_extents_m).cwiseMin(box.half_extents_m);
+      },
+      [&](const SphereShape& ball) -> Vector3d {
+        return std::min(1.0, ball.radius_m / seen.norm()) * seen;
+      },
+      [&](const PlaneShape&) -> Vector3d {
+        return {seen.x(), seen.y(), 0.0};
+      });
   return s.position_m + s.orientation * local;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/exact/scheme_map.hpp"
 #include "experiments/exact/soft_map.hpp"
 

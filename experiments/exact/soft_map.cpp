@@ -262,9 +262,7 @@ bool SoftMap::leaves_too_deep() const {
 // Whether two boxes end deeper in each other, by as much, than their contacts say.
 bool SoftMap::overlooks(std::span<const State> ends) const {
   const double tolerance_m = soft_.too_deep_share * soft_.margin_m;
-  const auto box = [&](std::size_t i) {
-    return std::get_if<BoxShape>(&run_.world.bodies[i].shape);
-  };
+  const auto box = [&](std::size_t i) { return box_of(run_.world.bodies[i].shape); };
   for (const Memory& memory : memories_) {
     const std::size_t a = memory.body_a, b = memory.body_b;
     if (box(a) == nullptr || box(b) == nullptr) continue;

@@ -19,9 +19,6 @@ namespace brickbench::exact {
 // Empty where a pair is not listed: a second body must be a ball, or a box on a box or a plane.
 ContactGeometry all_pairs(const World& world);
 
-// Of the smallest ball about the body's centre that holds it, m; infinite for a plane.
-double bounding_radius_m(const Shape& shape);
-
 // A run of the map. The contacts of a step start from the impulses of the last one, so it has a
 // memory, unlike the maps of scheme_map.hpp. The scheme, which states a soft contact, must outlive
 // it.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/exact/box_points.hpp"
 #include "experiments/exact/soft_map.hpp"
 
@@ -14,16 +15,6 @@ using Eigen::Vector3d;
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 // Cosine between the normals of a manifold that goes on.
 constexpr double k_same_normal = 0.9;
-
-double thickness_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return 2.0 * box->half_extents_m.minCoeff();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return 2.0 * sphere->radius_m;
-  return k_infinity;
-}
-
-const BoxShape* box_of(const World& world, std::size_t i) {
-  return std::get_if<BoxShape>(&world.bodies[i].shape);
-}
 
 // The deepest, the one furthest from it, and those that span most area with the two on either side.
 std::vector<TouchingPoint> four_of(const std::vector<TouchingPoint>& points) {
@@ -53,13 +44,13 @@ void add_ball(const World& world, std::span<const State> states, PointContact co
   const Vector3d local = a.orientation.conjugate() * (centre - a.position_m);
   Vector3d nearest = Vector3d::Zero();
   double round_m = radius_m;
-  if (const auto* box = std::get_if<BoxShape>(&shape_a)) {
-    nearest = local.cwiseMax(-box->half_extents_m).cwiseMin(box->half_extents_m);
-  } else if (const auto* ball = std::get_if<SphereShape>(&shape_a)) {
-    round_m += ball->radius_m;
-  } else {
-    nearest = Vector3d(local.x(), local.y(), 0.0);
-  }
+  by_shape(
+      shape_a,
+      [&](const BoxShape& box) {
+        nearest = local.cwiseMax(-box.half_extents_m).cwiseMin(box.half_extents_m);
+      },
+      [&](const SphereShape& ball) { round_m += ball.radius_m; },
+      [&](const PlaneShape&) { nearest = Vector3d(local.x(), local.y(), 0.0); });
   contact.normal = a.orientation * (local - nearest).normalized();
   contact.gap_m = (local - nearest).norm() - round_m;
   contact.position_m = centre - radius_m * contact.normal;
@@ -68,18 +59,12 @@ void add_ball(const World& world, std::span<const State> states, PointContact co
 
 }  // namespace
 
-double bounding_radius_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
-  return k_infinity;
-}
-
 ContactGeometry all_pairs(const World& world) {
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
-    const bool box = box_of(world, b) != nullptr;
-    if (std::holds_alternative<SphereShape>(world.bodies[b].shape)) continue;
+    const bool box = box_of(world.bodies[b].shape) != nullptr;
+    if (is_round(world.bodies[b].shape)) continue;
     for (std::size_t a = 0; a < b; ++a) {
-      const bool ball = std::holds_alternative<SphereShape>(world.bodies[a].shape);
+      const bool ball = is_round(world.bodies[a].shape);
       const bool fixed = world.bodies[a].fixed && world.bodies[b].fixed;
       if (!fixed && (ball || !box)) return nullptr;
     }
@@ -89,7 +74,7 @@ ContactGeometry all_pairs(const World& world) {
       for (std::size_t a = 0; a < b; ++a) {
         if (world.bodies[a].fixed && world.bodies[b].fixed) continue;
         PointContact contact{.body_a = a, .body_b = b};
-        if (std::holds_alternative<SphereShape>(world.bodies[b].shape)) {
+        if (is_round(world.bodies[b].shape)) {
           add_ball(world, states, contact, contacts);
           continue;
         }
@@ -145,8 +130,8 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
   memory.between_in_a_m = to_a * (b.position_m - a.position_m);
   memory.b_in_a = to_a * b.orientation;
   memory.found_within_m = 1.5 * soft_.margin_m + reach_m + 2.0 * soft_.keep_share * thin_m;
-  const BoxShape* box_a = box_of(run_.world, memory.body_a);
-  const BoxShape* box_b = box_of(run_.world, memory.body_b);
+  const BoxShape* box_a = box_of(run_.world.bodies[memory.body_a].shape);
+  const BoxShape* box_b = box_of(run_.world.bodies[memory.body_b].shape);
   std::vector<TouchingPoint> near(points.begin(), points.end());
   if (box_a != nullptr && box_b != nullptr) {
     const BoxPoints boxes = box_points(box_a->half_extents_m, a, box_b->half_extents_m, b);

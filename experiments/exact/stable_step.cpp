@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/step/stepper.hpp"
 
 namespace brickbench::exact {
@@ -41,11 +42,8 @@ double quarter_of_smallest_m(const World& world) {
   double smallest_m = std::numeric_limits<double>::infinity();
   for (const Body& body : world.bodies) {
     if (body.fixed) continue;
-    if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-      smallest_m = std::min(smallest_m, 2.0 * box->half_extents_m.minCoeff());
-    } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-      smallest_m = std::min(smallest_m, sphere->radius_m);
-    }
+    smallest_m = std::min(
+        smallest_m, is_round(body.shape) ? bounding_radius_m(body.shape) : thickness_m(body.shape));
   }
   return 0.25 * smallest_m;
 }

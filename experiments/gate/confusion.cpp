@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/step/stepper.hpp"
 
 namespace brickbench::gate {
@@ -12,9 +13,9 @@ constexpr double k_moved_share = 0.2;  // of a brick's smallest edge
 
 bool has_moved(const World& world, std::span<const State> states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const auto* box = std::get_if<BoxShape>(&world.bodies[i].shape);
-    if (box == nullptr) continue;
-    const double limit_m = 2.0 * k_moved_share * box->half_extents_m.minCoeff();
+    const Shape& shape = world.bodies[i].shape;
+    if (is_round(shape)) continue;  // what is thrown at the bricks
+    const double limit_m = k_moved_share * thickness_m(shape);
     const Eigen::Vector3d way = states[i].position_m - world.bodies[i].initial.position_m;
     if (way.norm() > limit_m) return true;
   }

@@ -217,17 +217,20 @@ void contact_candidates(const Shape& a, const State& at_a, const Shape& b, const
                         const CandidateRange& range, std::vector<ContactCandidate>& out) {
   const Placed pa = place(a, at_a);
   const Placed pb = place(b, at_b);
-  if (pa.kind == PlacedKind::plane) {
-    on_plane(pa, pb, range, true, out);
-  } else if (pb.kind == PlacedKind::plane) {
-    on_plane(pb, pa, range, false, out);
-  } else if (pb.kind == PlacedKind::sphere) {
-    on_sphere(pb, pa, range, true, out);
-  } else if (pa.kind == PlacedKind::sphere) {
-    on_sphere(pa, pb, range, false, out);
-  } else {
-    box_box(pa, pb, range, out);
-  }
+  const auto plane_first = [&] { on_plane(pa, pb, range, true, out); };
+  const auto plane_second = [&] { on_plane(pb, pa, range, false, out); };
+  const auto ball_first = [&] { on_sphere(pa, pb, range, false, out); };
+  const auto ball_second = [&] { on_sphere(pb, pa, range, true, out); };
+  std::visit(Overloaded{[&](const BoxShape&, const BoxShape&) { box_box(pa, pb, range, out); },
+                        [&](const BoxShape&, const SphereShape&) { ball_second(); },
+                        [&](const BoxShape&, const PlaneShape&) { plane_second(); },
+                        [&](const SphereShape&, const BoxShape&) { ball_first(); },
+                        [&](const SphereShape&, const SphereShape&) { ball_second(); },
+                        [&](const SphereShape&, const PlaneShape&) { plane_second(); },
+                        [&](const PlaneShape&, const BoxShape&) { plane_first(); },
+                        [&](const PlaneShape&, const SphereShape&) { plane_first(); },
+                        [&](const PlaneShape&, const PlaneShape&) {}},
+             a, b);
 }
 
 }  // namespace brickbench::gate

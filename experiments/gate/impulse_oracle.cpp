@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/gate/contact_candidates.hpp"
 #include "experiments/metrics/mechanics.hpp"
 #include "experiments/metrics/placed.hpp"
@@ -10,23 +11,11 @@
 namespace brickbench::gate {
 namespace {
 
-double smallest_edge_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return 2.0 * box->half_extents_m.minCoeff();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return 2.0 * sphere->radius_m;
-  return HUGE_VAL;
-}
-
-double radius_m(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) return box->half_extents_m.norm();
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) return sphere->radius_m;
-  return HUGE_VAL;
-}
-
 // An upper bound of how far any point of the body travels in the step.
 double travel_m(const Shape& shape, const StepRecord& record, std::size_t body) {
-  if (std::holds_alternative<PlaneShape>(shape)) return 0.0;
+  if (is_half_space(shape)) return 0.0;
   const auto speed = [&](const State& s) {
-    return s.velocity_mps.norm() + s.angular_velocity_radps.norm() * radius_m(shape);
+    return s.velocity_mps.norm() + s.angular_velocity_radps.norm() * bounding_radius_m(shape);
   };
   return record.step_s * std::max(speed(record.before[body]), speed(record.after[body]));
 }
@@ -42,12 +31,12 @@ struct PairBuilder {
   void add(std::size_t a, std::size_t b) {
     const Body& body_a = world.bodies[a];
     const Body& body_b = world.bodies[b];
-    const double size_m = std::min(smallest_edge_m(body_a.shape), smallest_edge_m(body_b.shape));
+    const double size_m = std::min(thickness_m(body_a.shape), thickness_m(body_b.shape));
     const double moved_m = travel_m(body_a.shape, record, a) + travel_m(body_b.shape, record, b);
     const double room_m = room.gap_share * size_m;
     const CandidateRange range{room_m + moved_m, room_m, room.border_share * size_m};
     const double gap_m = (record.before[b].position_m - record.before[a].position_m).norm() -
-                         radius_m(body_a.shape) - radius_m(body_b.shape);
+                         bounding_radius_m(body_a.shape) - bounding_radius_m(body_b.shape);
     if (gap_m > room_m + moved_m) return;
     add_from(a, b, record.before, range);
     if (moved_m > 0.01 * size_m) add_from(a, b, record.after, range);

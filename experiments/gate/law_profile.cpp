@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/gate/impulse_oracle.hpp"
 #include "experiments/gate/step_laws.hpp"
 #include "experiments/metrics/deepest_overlap.hpp"
@@ -68,11 +69,7 @@ double smallest_edge_m(const World& world) {
   double edge_m = HUGE_VAL;
   for (const Body& body : world.bodies) {
     if (body.fixed) continue;
-    if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-      edge_m = std::min(edge_m, 2.0 * box->half_extents_m.minCoeff());
-    } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-      edge_m = std::min(edge_m, 2.0 * sphere->radius_m);
-    }
+    edge_m = std::min(edge_m, thickness_m(body.shape));
   }
   return edge_m;
 }

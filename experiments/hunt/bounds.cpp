@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/hunt/extent.hpp"
 #include "experiments/metrics/mechanics.hpp"
 
@@ -49,7 +50,7 @@ double height_energy_j(const World& world, std::span<const State> states) {
   const Eigen::Vector3d up = -world.gravity_mps2 / g_mps2;
   double lowest_m = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < states.size(); ++i) {
-    if (world.bodies[i].fixed && !std::holds_alternative<PlaneShape>(world.bodies[i].shape)) {
+    if (world.bodies[i].fixed && !is_half_space(world.bodies[i].shape)) {
       continue;
     }
     lowest_m = std::min(lowest_m, up.dot(states[i].position_m) - reach_m(world.bodies[i].shape));

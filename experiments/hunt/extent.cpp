@@ -1,5 +1,7 @@
 #include "experiments/hunt/extent.hpp"
 
+#include "adapters/seam/shape.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -37,7 +39,7 @@ double meeting_s(const World& world, const Body& a, const Body& b) {
   };
   Eigen::Vector3d towards_b = b.initial.position_m - a.initial.position_m;
   double gap_m = towards_b.norm() - reach_m(a.shape) - reach_m(b.shape);
-  if (std::holds_alternative<PlaneShape>(b.shape)) {
+  if (is_half_space(b.shape)) {
     const Eigen::Vector3d up = b.initial.orientation * Eigen::Vector3d::UnitZ();
     gap_m = -up.dot(towards_b) - reach_m(a.shape);
     towards_b = -up;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "experiments/hunt/bounds.hpp"
+#include "adapters/seam/shape.hpp"
 #include "experiments/hunt/extent.hpp"
 #include "experiments/hunt/oracles.hpp"
 
@@ -26,7 +27,7 @@ constexpr double k_cone_share = 0.002;
 // impulse against gravity.
 Eigen::Vector3d face_normal(const Body& ground, const Eigen::Vector3d& up) {
   const Eigen::Matrix3d axes = ground.initial.orientation.toRotationMatrix();
-  if (std::holds_alternative<PlaneShape>(ground.shape)) return axes.col(2);
+  if (is_half_space(ground.shape)) return axes.col(2);
   Eigen::Index best = 0;
   (axes.transpose() * up).cwiseAbs().maxCoeff(&best);
   return axes.col(best) * (axes.col(best).dot(up) < 0.0 ? -1.0 : 1.0);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "experiments/hunt/bounds.hpp"
+#include "adapters/seam/shape.hpp"
 #include "experiments/hunt/extent.hpp"
 #include "experiments/hunt/oracles.hpp"
 #include "experiments/metrics/penetration_depth.hpp"
@@ -26,7 +27,7 @@ State between(const State& from, const State& to, double share) {
   return pose;
 }
 
-bool is_plane(const Body& body) { return std::holds_alternative<PlaneShape>(body.shape); }
+bool is_plane(const Body& body) { return is_half_space(body.shape); }
 
 // How deep the whole body lies behind the plane, m; 0 if part of it does not.
 double behind_m(const Body& body, const State& state, const State& plane) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench {
 
 DeepestOverlap::DeepestOverlap(const World& world)
@@ -9,7 +11,7 @@ DeepestOverlap::DeepestOverlap(const World& world)
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     shapes_.push_back(world.bodies[i].shape);
     fixed_.push_back(world.bodies[i].fixed);
-    if (std::holds_alternative<PlaneShape>(world.bodies[i].shape)) {
+    if (is_half_space(world.bodies[i].shape)) {
       planes_.push_back(i);
     } else {
       order_.push_back(static_cast<std::uint32_t>(i));

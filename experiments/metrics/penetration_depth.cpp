@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/metrics/placed.hpp"
 
 namespace brickbench {
@@ -59,10 +60,17 @@ double sphere_sphere_m(const Placed& a, const Placed& b) {
 // How far the lowest point lies below the plane.
 double plane_m(const Placed& plane, const Placed& body) {
   const Eigen::Vector3d up = plane.axes.col(2);
-  const double reach_down_m = body.kind == PlacedKind::sphere
-                                  ? body.half_m.x()
-                                  : (body.axes.transpose() * up).cwiseAbs().dot(body.half_m);
-  return reach_down_m - up.dot(body.center_m - plane.center_m);
+  const double height_m = up.dot(body.center_m - plane.center_m);
+  switch (body.kind) {
+    case PlacedKind::box:
+      return (body.axes.transpose() * up).cwiseAbs().dot(body.half_m) - height_m;
+    case PlacedKind::sphere:
+      return body.half_m.x() - height_m;
+    case PlacedKind::plane:
+      break;
+  }
+  assert(false && "two planes have no depth");
+  return 0.0;
 }
 
 }  // namespace
@@ -71,32 +79,53 @@ Placed place(const Shape& shape, const State& state) {
   Placed placed;
   placed.center_m = state.position_m;
   placed.axes = state.orientation.normalized().toRotationMatrix();
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    placed.half_m = box->half_extents_m;
-  } else if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    placed.kind = PlacedKind::sphere;
-    placed.half_m.setConstant(sphere->radius_m);
-  } else {
-    placed.kind = PlacedKind::plane;
-  }
+  by_shape(
+      shape, [&](const BoxShape& box) { placed.half_m = box.half_extents_m; },
+      [&](const SphereShape& sphere) {
+        placed.kind = PlacedKind::sphere;
+        placed.half_m.setConstant(sphere.radius_m);
+      },
+      [&](const PlaneShape&) { placed.kind = PlacedKind::plane; });
   return placed;
 }
 
 Eigen::Vector3d reach_m(const Placed& placed) {
-  if (placed.kind == PlacedKind::sphere) return placed.half_m;
+  switch (placed.kind) {
+    case PlacedKind::sphere:
+      return placed.half_m;
+    case PlacedKind::box:
+    case PlacedKind::plane:
+      break;
+  }
   return placed.axes.cwiseAbs() * placed.half_m;
 }
 
 double depth_above_m(const Placed& a, const Placed& b, double floor_m) {
-  if (a.kind == PlacedKind::plane) {
-    assert(b.kind != PlacedKind::plane);
-    return plane_m(a, b);
+  switch (a.kind) {
+    case PlacedKind::plane:
+      return plane_m(a, b);
+    case PlacedKind::box:
+      switch (b.kind) {
+        case PlacedKind::plane:
+          return plane_m(b, a);
+        case PlacedKind::box:
+          return box_box_m(a, b, floor_m);
+        case PlacedKind::sphere:
+          return box_sphere_m(a, b);
+      }
+      break;
+    case PlacedKind::sphere:
+      switch (b.kind) {
+        case PlacedKind::plane:
+          return plane_m(b, a);
+        case PlacedKind::box:
+          return box_sphere_m(b, a);
+        case PlacedKind::sphere:
+          return sphere_sphere_m(a, b);
+      }
+      break;
   }
-  if (b.kind == PlacedKind::plane) return plane_m(b, a);
-  if (a.kind == PlacedKind::box) {
-    return b.kind == PlacedKind::box ? box_box_m(a, b, floor_m) : box_sphere_m(a, b);
-  }
-  return b.kind == PlacedKind::box ? box_sphere_m(b, a) : sphere_sphere_m(a, b);
+  return 0.0;
 }
 
 double penetration_depth_m(const Shape& a, const State& at_a, const Shape& b, const State& at_b) {

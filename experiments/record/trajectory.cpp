@@ -1,22 +1,11 @@
 #include "experiments/record/trajectory.hpp"
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench {
-namespace {
-
-std::array<double, 4> numbers_of(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    return {0.0, box->half_extents_m.x(), box->half_extents_m.y(), box->half_extents_m.z()};
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    return {1.0, sphere->radius_m, sphere->radius_m, sphere->radius_m};
-  }
-  return {2.0, 0.0, 0.0, 0.0};
-}
-
-}  // namespace
 
 bool TrajectoryBody::operator==(const TrajectoryBody& other) const {
-  return name == other.name && numbers_of(shape) == numbers_of(other.shape) && role == other.role &&
+  return name == other.name && size_difference_m(shape, other.shape) == 0.0 && role == other.role &&
          mass_kg == other.mass_kg;
 }
 

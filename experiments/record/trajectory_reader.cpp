@@ -63,6 +63,7 @@ Id open_sized(hid_t parent, const char* name, const std::vector<hsize_t>& sizes)
 }
 
 Shape shape_from(std::size_t kind, const double* half_m) {
+  static_assert(k_shapes.size() == std::variant_size_v<Shape>);
   if (kind == 0) return BoxShape{{half_m[0], half_m[1], half_m[2]}};
   if (kind == 1) return SphereShape{half_m[0]};
   return PlaneShape{};

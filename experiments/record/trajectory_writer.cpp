@@ -4,6 +4,7 @@
 #include <system_error>
 #include <utility>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/record/hdf5_forgiving_file.hpp"
 #include "experiments/record/trajectory.hpp"
@@ -78,14 +79,9 @@ void write_header(hid_t file, const TrajectoryHeader& header) {
   write_attribute(file, "contacts", std::uint64_t{header.contacts ? 1U : 0U});
 }
 
-std::array<double, 3> half_extents(const Shape& shape) {
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    return {box->half_extents_m.x(), box->half_extents_m.y(), box->half_extents_m.z()};
-  }
-  if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
-    return {sphere->radius_m, sphere->radius_m, sphere->radius_m};
-  }
-  return {0.0, 0.0, 0.0};
+// What has no end is written as 0.
+Eigen::Vector3d written_half_extents_m(const Shape& shape) {
+  return is_half_space(shape) ? Eigen::Vector3d::Zero().eval() : half_extents_m(shape);
 }
 
 void write_bodies(hid_t file, const std::vector<TrajectoryBody>& bodies) {
@@ -98,9 +94,9 @@ void write_bodies(hid_t file, const std::vector<TrajectoryBody>& bodies) {
   std::vector<std::uint8_t> fixed;
   for (const TrajectoryBody& body : bodies) {
     names.push_back(body.name);
-    shapes.emplace_back(k_shapes[body.shape.index()]);
+    shapes.emplace_back(shape_word(body.shape));
     roles.emplace_back(k_roles[static_cast<std::size_t>(body.role)]);
-    std::ranges::copy(half_extents(body.shape), std::back_inserter(sizes));
+    for (const double half_m : written_half_extents_m(body.shape)) sizes.push_back(half_m);
     masses.push_back(body.mass_kg);
     fixed.push_back(body.role == BodyRole::fixed ? 1 : 0);
   }

@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/record/trajectory.hpp"
 #include "reports/src/summary.hpp"
 
@@ -20,14 +21,13 @@ ReplayBody body_of(const TrajectoryBody& body) {
   out.role = body.role == BodyRole::fixed        ? ReplayRole::fixed
              : body.role == BodyRole::projectile ? ReplayRole::projectile
                                                  : ReplayRole::brick;
-  if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
-    out.half_extents_m = {box->half_extents_m.x(), box->half_extents_m.y(),
-                          box->half_extents_m.z()};
-  } else if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-    out.shape = ReplayShape::sphere;
-    out.half_extents_m = {sphere->radius_m, sphere->radius_m, sphere->radius_m};
-  } else {
-    out.shape = ReplayShape::plane;
+  out.shape = by_shape(
+      body.shape, [](const BoxShape&) { return ReplayShape::box; },
+      [](const SphereShape&) { return ReplayShape::sphere; },
+      [](const PlaneShape&) { return ReplayShape::plane; });
+  if (!is_half_space(body.shape)) {
+    const Eigen::Vector3d half_m = half_extents_m(body.shape);
+    out.half_extents_m = {half_m.x(), half_m.y(), half_m.z()};
   }
   return out;
 }

@@ -33,6 +33,7 @@ TEST(Project, NobodyComparesWithAnEngine) { expect_clean(check_engine_names); }
 TEST(Project, NoPathNamesAnEngineAndAScenario) { expect_clean(check_mixed_paths); }
 TEST(Project, FilesAreShort) { expect_clean(check_lengths); }
 TEST(Project, ATypeNameStandsForOneType) { expect_clean(check_type_names); }
+TEST(Project, EveryBranchOnAShapeIsExhaustive) { expect_clean(check_shapes); }
 TEST(Project, DocumentsNameWhatExists) { expect_clean(check_documents); }
 
 TEST(Project, IsSeenAtAll) {
@@ -51,8 +52,9 @@ Tree good_house() {
            "#include <ode/ode.h>\n#include \"adapters/seam/world.hpp\"\n");
   add_file(tree, "adapters/ourengine.cmake", "");
   add_file(tree, "adapters/ourengine.cpp", "#include \"ourengine/baraff/step.hpp\"\n");
-  add_file(tree, "adapters/seam/world.hpp", "");
-  add_file(tree, "ourengine/baraff/step.hpp", "#include \"ourengine/bodies/body.hpp\"\n");
+  add_file(tree, "adapters/seam/world.hpp", "using Shape = std::variant<BoxShape, PlaneShape>;\n");
+  add_file(tree, "ourengine/baraff/step.hpp",
+           "#include \"ourengine/bodies/body.hpp\"\nusing Solid = std::variant<Box, Plane>;\n");
   add_file(tree, "experiments/scenarios/catalog.cpp",
            "#include \"adapters/seam/world.hpp\"\nScenario brick_wall();\nScenario tower();\n");
   add_file(tree, "experiments/record/row.hpp",
@@ -72,7 +74,7 @@ Tree good_house() {
 
 TEST(Rules, AGoodHousePassesAll) {
   for (const Check check : {check_includes, check_engine_names, check_mixed_paths, check_lengths,
-                            check_type_names, check_documents, long_adapters}) {
+                            check_type_names, check_shapes, check_documents, long_adapters}) {
     EXPECT_TRUE(check(good_house()).empty()) << text(check(good_house()));
   }
 }
@@ -107,6 +109,10 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
       {check_lengths, "scripts/all.sh", long_file},
       {check_type_names, "reports/src/column.hpp",
        "namespace brickbench {\nclass Table final : public Base {\n}  // namespace brickbench\n"},
+      {check_shapes, "reports/src/plot.cpp", "auto* box = std::get_if<BoxShape>(&shape);\n"},
+      {check_shapes, "tests/unit/run/run_test.cpp",
+       "if (std::holds_alternative<PlaneShape>(shape)) {}\n"},
+      {check_shapes, "adapters/ode_scene.cpp", "std::get_if<engine::Box>(&body.solid);\n"},
       {check_documents, "README.md", "Look into `experiments/nothing/`.\n"},
       {check_documents, "docs/more.md", "Look into `cli/missing.cpp`.\n"},
       {check_documents, "README.md", "Look into `nowhere/`.\n"},

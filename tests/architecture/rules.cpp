@@ -213,6 +213,29 @@ std::vector<Finding> check_type_names(const Tree& tree) {
   return findings;
 }
 
+std::vector<Finding> check_shapes(const Tree& tree) {
+  std::string kinds;
+  for (const auto& [path, content] : tree.files) {
+    if (!is_cpp(path)) continue;
+    for (const std::string& list :
+         matches(content, R"(using (?:Shape|Geometry|Solid) = std::variant<([^>]*)>;)")) {
+      for (const std::string& kind : words(list, ", \n"))
+        kinds += (kinds.empty() ? "" : "|") + kind;
+    }
+  }
+  std::vector<Finding> findings;
+  if (kinds.empty()) return findings;
+  const std::string guess =
+      "\\b((?:get_if|holds_alternative) ?< ?(?:const )?(?:\\w+::)*(?:" + kinds + ")\\b)";
+  for (const auto& [path, content] : tree.files) {
+    if (!is_cpp(path) || is_below(path, "tests/architecture")) continue;
+    for (const std::string& found : matches(without_comments(content), guess)) {
+      findings.push_back({"shape", path, found + ">: visit the shape, with a case for each kind"});
+    }
+  }
+  return findings;
+}
+
 std::vector<Finding> check_documents(const Tree& tree) {
   const auto produced = [](const std::string& named) {
     return named.starts_with("build/") || named.starts_with("results/");

@@ -27,6 +27,9 @@ std::vector<Finding> check_lengths(const Tree& tree);
 // In a namespace, one name stands for one type in all files: linked together, two would silently be
 // taken for one. Types in an unnamed namespace, or declared without a body, do not count.
 std::vector<Finding> check_type_names(const Tree& tree);
+// Branches on the shape of a body are exhaustive: no get_if or holds_alternative of a shape of the
+// seam or of ourengine, so that a new shape does not compile until every place has its case.
+std::vector<Finding> check_shapes(const Tree& tree);
 // Markdown of the root and of docs/ names, in `backquotes`, only files and folders that exist.
 std::vector<Finding> check_documents(const Tree& tree);
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "adapters/seam/shape.hpp"
 #include "tests/conformance/check.hpp"
 
 namespace brickbench::testing {
@@ -28,17 +29,6 @@ World many_laws(double friction) {
 }
 
 std::string text(const Eigen::Vector3d& v) { return fmt::format("({}, {}, {})", v[0], v[1], v[2]); }
-
-double shape_difference(const Shape& a, const Shape& b) {
-  if (a.index() != b.index()) return HUGE_VAL;
-  if (const auto* box = std::get_if<BoxShape>(&a)) {
-    return (box->half_extents_m - std::get<BoxShape>(b).half_extents_m).norm();
-  }
-  if (const auto* ball = std::get_if<SphereShape>(&a)) {
-    return std::abs(ball->radius_m - std::get<SphereShape>(b).radius_m);
-  }
-  return 0.0;
-}
 
 constexpr Tolerance k_audit = {"audit", 2e-15, 1.48e-16,
                                "relative; an engine may keep reciprocals, or m^2 of two factors"};
@@ -66,7 +56,7 @@ Verdict audit_check(const Subject& subject) {
       if (facts.can_sleep) return failed(where + "can fall asleep");
       worst.see(facts.linear_damping_hz, where + "linear damping");
       worst.see(facts.angular_damping_hz, where + "angular damping");
-      worst.see(shape_difference(facts.shape, body.shape), where + "shape");
+      worst.see(size_difference_m(facts.shape, body.shape), where + "shape");
       const double mass_kg = body.fixed ? 0.0 : body.mass_kg;
       const Eigen::Vector3d inertia_kgm2 =
           body.fixed ? Eigen::Vector3d(0, 0, 0) : body.inertia_kgm2;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench::testing {
 
 Expected<std::unique_ptr<Simulation>> Subject::build(const World& world, double step_s) const {
@@ -60,9 +62,8 @@ std::unique_ptr<Simulation> must_build(const Subject& subject, const World& worl
                                        bool may_refuse) {
   auto built = subject.build(world, step_s);
   // Boxes are what every engine has; balls may be refused.
-  const bool balls = std::ranges::any_of(world.bodies, [](const Body& body) {
-    return std::holds_alternative<SphereShape>(body.shape);
-  });
+  const bool balls =
+      std::ranges::any_of(world.bodies, [](const Body& body) { return is_round(body.shape); });
   if (!built) stop_on(built.error(), may_refuse || balls, "building");
   return std::move(*built);
 }

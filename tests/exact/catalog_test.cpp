@@ -6,6 +6,7 @@
 #include <regex>
 #include <set>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/exact/exact_case.hpp"
 #include "experiments/exact/sketch.hpp"
 #include "tests/exact/random_parameters.hpp"
@@ -54,7 +55,7 @@ TEST(Catalog, DeclaredNeedsMatchTheWorld) {
     const ExactRun run = build(exact_case).value();
     bool spheres = false;
     for (const Body& body : run.world.bodies) {
-      spheres = spheres || std::holds_alternative<SphereShape>(body.shape);
+      spheres = spheres || is_round(body.shape);
     }
     EXPECT_EQ(spheres, exact_case.needs.spheres) << exact_case.id;
     EXPECT_EQ(run.world.law.friction > 0.0, exact_case.needs.friction) << exact_case.id;

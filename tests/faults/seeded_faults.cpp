@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "adapters/catalog.hpp"
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench::testing {
 namespace {
@@ -113,19 +114,11 @@ constexpr std::array k_faults = {
                             Vector3d(b.inertia_kgm2[1], b.inertia_kgm2[2], b.inertia_kgm2[0]);
                       });
                     }},
-    SeededFault{.name = "size_1_permille",
-                .story = "half extents and radii times 1.001",
-                .world =
-                    [](World& w) {
-                      each_moving(w, [](Body& b) {
-                        if (auto* box = std::get_if<BoxShape>(&b.shape)) {
-                          box->half_extents_m *= 1.001;
-                        }
-                        if (auto* ball = std::get_if<SphereShape>(&b.shape)) {
-                          ball->radius_m *= 1.001;
-                        }
-                      });
-                    }},
+    SeededFault{
+        .name = "size_1_permille",
+        .story = "half extents and radii times 1.001",
+        .world =
+            [](World& w) { each_moving(w, [](Body& b) { b.shape = scaled(b.shape, 1.001); }); }},
     SeededFault{
         .name = "velocity_lost",
         .story = "initial velocities not passed on",

@@ -7,18 +7,14 @@
 #include <cmath>
 #include <limits>
 
+#include "adapters/seam/shape.hpp"
+
 namespace brickbench::testing {
 namespace {
 
-Eigen::Vector3d half_extents_m(const Body& body) {
-  if (const auto* box = std::get_if<BoxShape>(&body.shape)) return box->half_extents_m;
-  return Eigen::Vector3d::Constant(std::get<SphereShape>(body.shape).radius_m);
-}
-
 // Half the width of the body along a unit direction.
 double reach_m(const Body& body, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d local = body.initial.orientation.conjugate() * direction;
-  return half_extents_m(body).dot(local.cwiseAbs());
+  return brickbench::reach_m(body.shape, body.initial.orientation.conjugate() * direction);
 }
 
 double plane_overlap_m(const Body& plane, const Body& body) {
@@ -47,7 +43,7 @@ double box_overlap_m(const Body& a, const Body& b) {
   return overlap_m;
 }
 
-bool is_plane(const Body& body) { return std::holds_alternative<PlaneShape>(body.shape); }
+bool is_plane(const Body& body) { return is_half_space(body.shape); }
 
 std::string image(const Eigen::Vector3d& v) { return fmt::format("({},{},{})", v[0], v[1], v[2]); }
 
@@ -80,7 +76,7 @@ std::string image(const Scene& scene) {
     const Eigen::Vector4d q = body.initial.orientation.coeffs();
     text += fmt::format(
         "{} shape {} {} fixed {} m {} I {} x {} q {} {} {} {} v {} w {}\n", body.name,
-        body.shape.index(), is_plane(body) ? "" : image(half_extents_m(body)), body.fixed,
+        body.shape.index(), is_plane(body) ? "" : image(half_extents_m(body.shape)), body.fixed,
         body.mass_kg, image(body.inertia_kgm2), image(body.initial.position_m), q[0], q[1], q[2],
         q[3], image(body.initial.velocity_mps), image(body.initial.angular_velocity_radps));
   }

@@ -88,9 +88,10 @@ TEST(BallContact, CentreInsideABoxLeavesThroughTheClosestFace) {
 
 // Sphere on plane, falling from 0.2 m/s with restitution 0.5: it leaves with half the speed.
 TEST(BallContact, ReboundsWithItsRestitution) {
-  for (const Solid& floor : {Solid{Plane{}}, Solid{Box{{1.0, 1.0, 0.5}}}}) {
+  const std::pair<Solid, double> floors[] = {{Plane{}, 0.0}, {Box{{1.0, 1.0, 0.5}}, -0.5}};
+  for (const auto& [floor, height_m] : floors) {
     std::vector<RigidBody> bodies = {ball(0.1, {0, 0, 0.1}), make_fixed_body(floor)};
-    if (std::holds_alternative<Box>(floor)) bodies[1].position_m.z() = -0.5;
+    bodies[1].position_m.z() = height_m;
     set_velocity(bodies[0], {0.3, 0, -0.2}, {1, 2, 3});
     compute_derived(bodies[1]);
     Options options;
