@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "ourengine/contact/islands.hpp"
@@ -10,6 +11,7 @@ namespace {
 
 constexpr int kWarmNewtonSteps = 8;
 constexpr int kPivotContacts = 1000;  // pivoting costs the square of the contacts, per pivot
+constexpr double kSliding = 1e-3;     // of the scale: slip and load from which a contact slides
 constexpr int kRescueSweeps = 2000;   // of Gauss-Seidel where it is the last resort
 
 enum class Method { kIpm, kDantzig, kNsgs, kAlm, kSocp, kNewton };
@@ -20,16 +22,34 @@ class Relay {
  public:
   Relay(const ContactSystem& system, const SolveOptions& options, const WarmStart& warm,
         SolverMemory& memory)
-      : system_(system), options_(options), memory_(memory) {
+      : system_(system), options_(options), tight_(options.tolerance), memory_(memory) {
     system.load_impulses(warm.impulses_ns, start_);
     best_ = no_impulses(system, ContactLaw::kCoulomb);
     if (!warm.impulses_ns.empty()) consider(start_, "warm start");
+    if (!this->warm()) start_.assign(system.rows(), 0.0);
   }
 
   bool solved() const { return best_.residual <= options_.tolerance; }
   bool warm() const { return method_ == std::string_view("warm start"); }
-  // From here on each digit is dear.
-  void slips() { options_.tolerance = std::max(options_.tolerance, options_.slip_tolerance); }
+  // Where contacts slip each digit is dear.
+  void loosen() { options_.tolerance = std::max(tight_, options_.slip_tolerance); }
+  void tighten() { options_.tolerance = tight_; }
+
+  void forget_start() { std::fill(start_.begin(), start_.end(), 0.0); }
+
+  // Whether a contact slides under load in the best iterate, so that the convex law, which lifts
+  // it, is not the exact one.
+  bool slides() const {
+    const std::size_t n = system_.stride();
+    const double least = kSliding * system_.scale_mps();
+    AlignedDoubles w(system_.rows());
+    simd_kernels().multiply_j(system_.view(), best_.v.data(), true, w.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(system_.contacts()); ++i) {
+      const bool loaded = system_.delassus()[i] * best_.f[i] > least;
+      if (loaded && system_.friction()[i] * std::hypot(w[n + i], w[2 * n + i]) > least) return true;
+    }
+    return false;
+  }
 
   // Nothing if the problem is solved already.
   void attempt(Method method, SolveOptions options) {
@@ -47,8 +67,7 @@ class Relay {
       case Method::kSocp:
         return take(socp(system_, options, memory_.cholesky), "socp");
       case Method::kNewton:
-        return take(newton(system_, options, AlignedDoubles(system_.rows(), 0.0), memory_.lu),
-                    "newton");
+        return take(newton(system_, options, start_, memory_.lu), "newton");
     }
   }
 
@@ -74,8 +93,9 @@ class Relay {
 
   const ContactSystem& system_;
   SolveOptions options_;
+  double tight_;
   SolverMemory& memory_;
-  AlignedDoubles start_;
+  AlignedDoubles start_;  // the warm impulses where they are better than none, else none
   Outcome best_;
   const char* method_ = "no impulses";
   int iterations_ = 0;
@@ -113,9 +133,17 @@ ContactSolution with_friction(const ContactProblem& problem, const SolveOptions&
   const int before = memory.cholesky.factorisations() + memory.lu.factorisations();
   Relay relay(system, options, warm, memory);
   if (relay.warm()) relay.attempt(Method::kAlm, limited(options, kWarmNewtonSteps));
-  relay.attempt(Method::kSocp, options);
-  relay.slips();
+  const bool slid = relay.slides();
+  if (!slid) relay.attempt(Method::kSocp, options);
+  relay.loosen();
   relay.attempt(Method::kNewton, options);
+  relay.forget_start();
+  relay.attempt(Method::kNewton, options);
+  if (slid && !relay.slides()) {
+    relay.tighten();
+    relay.attempt(Method::kSocp, options);
+    relay.loosen();
+  }
   relay.attempt(Method::kNsgs, limited(options, kRescueSweeps));
   ContactSolution solution = relay.result(problem);
   solution.factorisations = memory.cholesky.factorisations() + memory.lu.factorisations() - before;

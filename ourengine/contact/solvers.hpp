@@ -49,10 +49,10 @@ using Solver = ContactSolution (*)(const ContactProblem& problem, const SolveOpt
 
 // The default of the accurate mode: the exact law, island by island. Warm impulses that are good
 // enough are kept. Else methods take over from each other until one reaches the tolerance: with
-// friction a few warm steps of `alm`, the interior point `socp`, which is exact where nothing
-// slips, `newton`, `nsgs`; without friction `ipm`, `dantzig`, `nsgs`. The best iterate of all of
-// them and of no impulses at all is returned; `method` names what gave it. kStalled if it misses
-// the tolerance.
+// friction a few warm steps of `alm`, the interior point `socp`, which is exact where nothing slips
+// and left out where they show slip, `newton` from the warm impulses and from cold, `nsgs`; without
+// friction `ipm`, `dantzig`, `nsgs`. The best iterate of all of them and of no impulses at all is
+// returned; `method` names what gave it. kStalled if it misses the tolerance.
 ContactSolution solve_exact(const ContactProblem&, const SolveOptions&, const WarmStart&,
                             SolverMemory&);
 // The same for the frictionless law, with the method named as the first. kUnsuitable with friction.
