@@ -54,8 +54,9 @@ hunt::Quarry quarry_of(const HuntChoice& choice, const Catalogues& catalogues) {
   hunt::Quarry quarry;
   quarry.seed = choice.seed;
   for (const std::string& text : choice.engines) {
-    const Selector selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
-    for (const EngineVariant& engine : select(selector, catalogues)) {
+    const auto selector = parse_selector(text, {.file = "--engine"}, catalogues, true);
+    if (!selector) reject(selector.error().at, selector.error().reason);
+    for (const EngineVariant& engine : select(*selector, catalogues)) {
       if (std::ranges::find(quarry.engines, engine) == quarry.engines.end()) {
         quarry.engines.push_back(engine);
       }

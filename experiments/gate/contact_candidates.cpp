@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/metrics/placed.hpp"
 
 namespace brickbench::gate {

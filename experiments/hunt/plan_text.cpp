@@ -85,9 +85,10 @@ Trial read_case(const InputValue& table, const Catalogues& catalogues) {
   Trial trial;
   trial.source = Source::exact_case;
   trial.scene = filled_text(*id, "id");
-  const Selector selector =
+  const auto selector =
       parse_selector(filled_text(*engine, "engine"), engine->at, catalogues, true);
-  const auto chosen = select(selector, catalogues);
+  if (!selector) reject(selector.error().at, selector.error().reason);
+  const auto chosen = select(*selector, catalogues);
   if (chosen.size() != 1) reject(engine->at, "a case runs in one engine and variant");
   trial.engine = chosen.front();
   if (parameters_of(trial, catalogues).empty()) reject(id->at, "there is no such exact case");
