@@ -15,7 +15,7 @@
 namespace brickbench {
 namespace {
 
-using Json = nlohmann::json;
+using Message = nlohmann::json;
 
 constexpr int k_patience_ms = 60000;
 // The protocol fixes these descriptors for --remote-debugging-pipe.
@@ -92,7 +92,7 @@ Expected<std::unique_ptr<Browser>> Browser::start(const std::string& program, bo
   };
   ::close(there[0]);
   ::close(back[1]);
-  if (auto ok = browser->call("Browser.getVersion", Json::object()); !ok) {
+  if (auto ok = browser->call("Browser.getVersion", Message::object()); !ok) {
     return tl::unexpected(ok.error());
   }
   return browser;
@@ -100,7 +100,7 @@ Expected<std::unique_ptr<Browser>> Browser::start(const std::string& program, bo
 
 Browser::~Browser() {
   if (to_ >= 0) {
-    (void)call("Browser.close", Json::object());
+    (void)call("Browser.close", Message::object());
     ::close(to_);
     ::close(from_);
   }
@@ -116,7 +116,7 @@ Expected<nlohmann::json> Browser::receive() {
   for (;;) {
     const std::size_t end = buffer_.find('\0');
     if (end != std::string::npos) {
-      Json message = Json::parse(buffer_.substr(0, end), nullptr, false);
+      Message message = Message::parse(buffer_.substr(0, end), nullptr, false);
       buffer_.erase(0, end + 1);
       if (message.is_discarded()) return broken("sent what is not JSON");
       return message;
@@ -132,9 +132,9 @@ Expected<nlohmann::json> Browser::receive() {
   }
 }
 
-Expected<nlohmann::json> Browser::call(const std::string& method, const Json& parameters) {
+Expected<nlohmann::json> Browser::call(const std::string& method, const Message& parameters) {
   const int id = next_id_++;
-  Json message = {{"id", id}, {"method", method}, {"params", parameters}};
+  Message message = {{"id", id}, {"method", method}, {"params", parameters}};
   if (!session_.empty()) message["sessionId"] = session_;
   const std::string text = message.dump() + '\0';
   for (std::size_t at = 0; at < text.size();) {
@@ -162,7 +162,7 @@ Expected<void> Browser::open(const std::string& file, int width_px, int height_p
       call("Target.attachToTarget", {{"targetId", (*target)["targetId"]}, {"flatten", true}});
   if (!attached) return tl::unexpected(attached.error());
   session_ = (*attached)["sessionId"].get<std::string>();
-  const Json size = {
+  const Message size = {
       {"width", width_px}, {"height", height_px}, {"deviceScaleFactor", 1}, {"mobile", false}};
   if (auto ok = call("Emulation.setDeviceMetricsOverride", size); !ok) {
     return tl::unexpected(ok.error());
@@ -185,13 +185,13 @@ Expected<nlohmann::json> Browser::evaluate(const std::string& expression) {
                      {{"expression", expression}, {"awaitPromise", true}, {"returnByValue", true}});
   if (!result) return result;
   if (result->contains("exceptionDetails")) {
-    const Json& details = (*result)["exceptionDetails"];
+    const Message& details = (*result)["exceptionDetails"];
     std::string words = details.value("text", "");
     if (details.contains("exception")) words += ' ' + details["exception"].value("description", "");
     return broken("reports: " + words);
   }
-  const Json& value = (*result)["result"];
-  return value.contains("value") ? value["value"] : Json(nullptr);
+  const Message& value = (*result)["result"];
+  return value.contains("value") ? value["value"] : Message(nullptr);
 }
 
 }  // namespace brickbench

@@ -22,7 +22,7 @@
 namespace brickbench {
 namespace {
 
-constexpr std::size_t k_shown = 30;  // findings on a screen
+constexpr std::size_t k_findings_shown = 30;  // findings on a screen
 
 struct HuntChoice {
   std::vector<std::string> engines = {"*/*"};
@@ -100,8 +100,8 @@ void print_text(const std::filesystem::path& folder, const hunt::Record& record,
     fmt::print("Nothing was found.\n");
     return;
   }
-  fmt::print("{}\n", to_terminal(findings_table(findings, k_shown), standard_output_style()));
-  if (findings.size() > k_shown) fmt::print("and {} more\n", findings.size() - k_shown);
+  fmt::print("{}\n", to_terminal(findings_table(findings, k_findings_shown), standard_output_style()));
+  if (findings.size() > k_findings_shown) fmt::print("and {} more\n", findings.size() - k_shown);
   fmt::print("{} findings; each has a plan in {}, for example:\n  brickbench hunt --replay {}\n",
              findings.size(), folder.string(), (folder / (findings.front().id + ".toml")).string());
 }
