@@ -23,7 +23,7 @@ Body shaped(const std::string& name, Shape shape, bool fixed = false) {
   return fixed ? fixed_body(name, shape) : solid_body(name, shape, 1000.0);
 }
 
-State at(const Vector3d& position_m) {
+State placed_at(const Vector3d& position_m) {
   State state;
   state.position_m = position_m;
   return state;
@@ -79,8 +79,8 @@ TEST(Passages, AreToldWhereverABodyFliesThroughAPlate) {
         const Vector3d start_m(-1.0 - speed_mps * step_s, within(random), within(random));
         const Poses poses = turned(
             [=](double time_s) {
-              return std::vector<State>{at(start_m + Vector3d(speed_mps * time_s, 0, 0)),
-                                        at({0, 0, 0})};
+              return std::vector<State>{placed_at(start_m + Vector3d(speed_mps * time_s, 0, 0)),
+                                        placed_at({0, 0, 0})};
             },
             random);
         const auto steps = static_cast<std::size_t>(3.0 / (speed_mps * step_s)) + 3;
@@ -98,8 +98,8 @@ TEST(Passages, AreToldOfTheJointBetweenTwoBricks) {
                                     shaped("lower", BoxShape{{0.05, 0.1, 0.05}}),
                                     shaped("upper", BoxShape{{0.05, 0.1, 0.05}})};
   const Poses poses = [](double time_s) {
-    return std::vector<State>{at({-1.0 + 100.0 * time_s, 0, 0}), at({0, 0, -0.05}),
-                              at({0, 0, 0.05})};
+    return std::vector<State>{placed_at({-1.0 + 100.0 * time_s, 0, 0}), placed_at({0, 0, -0.05}),
+                              placed_at({0, 0, 0.05})};
   };
   std::size_t when = 0;
   EXPECT_NE(first_passage(bodies, poses, 1.0 / 60.0, 3, &when), "");
@@ -109,7 +109,7 @@ TEST(Passages, AreToldOfTheJointBetweenTwoBricks) {
 TEST(Passages, AreToldOfWhatSinksIntoTheGround) {
   for (const double speed_mps : {0.01, 1.0, 30.0}) {
     const Poses poses = [=](double time_s) {
-      return std::vector<State>{at({0, 0, 0.1 - speed_mps * time_s}), at({0, 0, 0})};
+      return std::vector<State>{placed_at({0, 0, 0.1 - speed_mps * time_s}), placed_at({0, 0, 0})};
     };
     const double step_s = 0.004;
     const auto steps = static_cast<std::size_t>(0.4 / (speed_mps * step_s)) + 2;
@@ -144,7 +144,8 @@ TEST(Passages, AreNoneWhereABodyBounces) {
           [=](double time_s) {
             const double free_m = -1.0 + speed_mps * time_s;
             const double x_m = free_m > -0.15 ? -0.3 - free_m : free_m;
-            return std::vector<State>{at({x_m, y_m + slide_mps * time_s, 0}), at({0, 0, 0})};
+            return std::vector<State>{placed_at({x_m, y_m + slide_mps * time_s, 0}),
+                                      placed_at({0, 0, 0})};
           },
           random);
       EXPECT_EQ(first_passage({shaped("ball", SphereShape{0.1}),
@@ -178,7 +179,7 @@ TEST(Passages, AreNoneWhereABallRollsRoundABox) {
                                  half_m + radius_m * std::cos(angle), 0);
             }
             const Eigen::AngleAxisd turn(-0.5 * k_pi * quarter, Vector3d::UnitZ());
-            return std::vector<State>{at(turn * place_m), at({0, 0, 0})};
+            return std::vector<State>{placed_at(turn * place_m), placed_at({0, 0, 0})};
           },
           random);
       EXPECT_EQ(first_passage({shaped("ball", SphereShape{radius_m}),
@@ -203,10 +204,10 @@ TEST(Passages, AreNoneWhereBodiesSpinAndFlyPastEachOther) {
     const double miss_m = half_m.norm() + 0.1 * (1.001 + std::abs(unit(random)));
     const Poses poses = turned(
         [=](double time_s) {
-          State brick = at({0, 0, 0});
+          State brick = placed_at({0, 0, 0});
           brick.orientation = Eigen::AngleAxisd(spin_radps * time_s, axis);
           brick.angular_velocity_radps = spin_radps * axis;
-          return std::vector<State>{at({-1.0 + speed_mps * time_s, miss_m, 0}), brick};
+          return std::vector<State>{placed_at({-1.0 + speed_mps * time_s, miss_m, 0}), brick};
         },
         random);
     EXPECT_EQ(first_passage({shaped("ball", SphereShape{0.1}), shaped("brick", BoxShape{half_m})},
@@ -219,10 +220,10 @@ TEST(Passages, AreNoneWhereBodiesSpinAndFlyPastEachOther) {
 // The other way round: a brick that turns about a body that it would have to cut, and does.
 TEST(Passages, AreToldOfABrickThatTurnsThroughABall) {
   const Poses poses = [](double time_s) {
-    State brick = at({0, 0, 0});
+    State brick = placed_at({0, 0, 0});
     brick.orientation = Eigen::AngleAxisd(40.0 * time_s, Vector3d::UnitZ());
     brick.angular_velocity_radps = {0, 0, 40.0};
-    return std::vector<State>{at({0, 0.4, 0}), brick};
+    return std::vector<State>{placed_at({0, 0.4, 0}), brick};
   };
   const std::vector<Body> bodies = {shaped("ball", SphereShape{0.05}),
                                     shaped("brick", BoxShape{{0.6, 0.05, 0.05}})};
@@ -233,7 +234,8 @@ TEST(Passages, AreNoneInSoftContactThatGivesWay) {
   for (const double share : {0.0, 0.3, 0.49, 0.9}) {
     const Poses poses = [=](double time_s) {
       const double deep_m = share * 0.05 * std::sin(20.0 * time_s);
-      return std::vector<State>{at({0.3 * time_s, 0, 0.05 - std::abs(deep_m)}), at({0, 0, -0.05})};
+      return std::vector<State>{placed_at({0.3 * time_s, 0, 0.05 - std::abs(deep_m)}),
+                                placed_at({0, 0, -0.05})};
     };
     EXPECT_EQ(first_passage({shaped("brick", BoxShape{{0.1, 0.05, 0.05}}),
                              shaped("lower", BoxShape{{0.3, 0.05, 0.05}})},
