@@ -47,8 +47,8 @@ struct ImpulseContact {
   // of half the diagonal of the body's bounding box, one corner at a time; else at touch alone.
   double plane_reach_share = std::numeric_limits<double>::infinity();
   bool approach_allowed = false;  // an open gap lowers the target by gap / h
-  // An open gap that closes within the step at the approach speed bounces already; the target is
-  // then the larger of rebound and approach.
+  // A gap that closes within the step bounces already, at the larger of rebound and approach.
+  // Bodies that no fixed one holds fly freely to their first bounce: contacts act from there on.
   bool bounces_before_touch = false;
   double restitution_threshold_mps = 0.0;    // no restitution for slower approach
   double restitution_threshold_steps = 0.0;  // nor for slower than this many steps of gravity

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "experiments/exact/fall_map.hpp"
 #include "experiments/exact/pivoting.hpp"
 #include "experiments/exact/scheme_map.hpp"
 
@@ -71,6 +72,7 @@ struct Row {
   const PointContact* contact = nullptr;
   Arm a, b;
   double target_mps = 0.0;
+  bool holds = false;         // with a fixed body, and no bounce
   double inverse_mass = 0.0;  // along the normal, with the softness of the contact
   double impulse_ns = 0.0;
 };
@@ -100,6 +102,7 @@ double margin_m(const ImpulseContact& law, const World& world, const PointContac
 }
 
 std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
+                             std::span<const Wrench> wrenches, const FreeFall& fall,
                              const std::vector<PointContact>& contacts,
                              std::span<const State> before) {
   ImpulseContact law_of_step = *scheme.impulse;
@@ -117,6 +120,13 @@ std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
     row.target_mps =
         target_velocity_mps(law_of_step, law.restitution, contact.gap_m,
                             contact.normal.dot(slip_velocity(row, before)), run.step_s);
+    if (fall.falls) {
+      const FallingTarget target =
+          falling_target(law_of_step, run, free_gap(run.world, wrenches, contact, before),
+                         run.step_s - fall.flight_s);
+      row.target_mps = target.velocity_mps;
+      row.holds = target.holds;
+    }
     row.inverse_mass = inverse_mass_along(row.a, contact.normal) +
                        inverse_mass_along(row.b, contact.normal) +
                        scheme.impulse->softness_per_kgs / (run.step_s * contact.points);
@@ -262,6 +272,78 @@ bool look_from_plane(const ImpulseContact& law, const World& world, const PointC
   return static_cast<std::size_t>(std::ranges::count_if(seen, same)) <= k_most_corners;
 }
 
+struct Advance {
+  bool done = false;
+  bool held = false;  // a fixed body pushed falling bodies without a bounce
+};
+
+// One step of contacts from where the free flight ends.
+Advance advance_from(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
+                     const FreeFall& fall, const std::vector<PointContact>& contacts,
+                     std::span<State> states, std::string& why) {
+  const double h = run.step_s - fall.flight_s;
+  const std::vector<State> before(states.begin(), states.end());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const Body& body = run.world.bodies[i];
+    if (body.fixed) continue;
+    const State free =
+        next_free_state(scheme, body, before[i], wrenches[i], run.world.gravity_mps2, h);
+    states[i].velocity_mps = free.velocity_mps;
+    if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
+      push_momentum(body.inertia_kgm2, h * wrenches[i].torque_nm, states[i]);
+    } else {
+      states[i].angular_velocity_radps = free.angular_velocity_radps;
+    }
+  }
+  const auto unseen = [&](const PointContact& contact) {
+    return std::isfinite(scheme.impulse->plane_reach_share) && is_edge_on_plane(run.world, contact);
+  };
+  if (std::ranges::any_of(contacts, unseen)) {
+    why = "a plane finds the corners of a box one per step";
+    return {};
+  }
+  std::vector<Row> rows = active_rows(scheme, run, wrenches, fall, contacts, before);
+  const auto has_friction = [&](const Row& row) {
+    return contact_law(run.world, row.contact->body_a, row.contact->body_b).friction > 0.0;
+  };
+  if (rows.size() > 1 && std::ranges::any_of(rows, has_friction)) {
+    why = "several contacts with friction act in one step";
+    return {};
+  }
+  if (scheme.impulse->gives_up_at_zero_pivot) {
+    pivot_normals(scheme, run.world, h, contacts, rows, states);
+  } else {
+    solve_normals(scheme, h, rows, states);
+  }
+  if (rows.size() == 1 && has_friction(rows[0])) {
+    const ContactLaw law = contact_law(run.world, rows[0].contact->body_a, rows[0].contact->body_b);
+    solve_friction(scheme, law, h, rows[0], states);
+  }
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (run.world.bodies[i].fixed) continue;
+    const bool pushed = std::ranges::any_of(rows, [i](const Row& row) {
+      return row.impulse_ns > 0.0 && (row.contact->body_a == i || row.contact->body_b == i);
+    });
+    const bool new_velocity = pushed && scheme.position == PositionRule::mean_unless_pushed;
+    advance_position(new_velocity ? PositionRule::new_velocity : scheme.position,
+                     before[i].velocity_mps, h, states[i]);
+    if (new_velocity && fall.falls) {
+      states[i].position_m -= 0.5 * h * h * run.world.gravity_mps2;
+    }
+    if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
+      turn_with_momentum(scheme, run.world.bodies[i].inertia_kgm2, before[i].angular_velocity_radps,
+                         h, states[i]);
+    } else {
+      states[i].orientation = next_attitude(scheme.attitude, before[i].orientation,
+                                            states[i].angular_velocity_radps, h);
+    }
+  }
+  for (const Row& row : rows) shift_split(scheme, run.world, row, states);
+  return {.done = true, .held = std::ranges::any_of(rows, [](const Row& row) {
+                          return row.holds && row.impulse_ns > 0.0;
+                        })};
+}
+
 }  // namespace
 
 ContactGeometry corner_by_corner(const ImpulseContact& law, const ExactRun& run) {
@@ -292,62 +374,23 @@ ContactGeometry corner_by_corner(const ImpulseContact& law, const ExactRun& run)
 bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                      const std::vector<PointContact>& contacts, std::span<State> states,
                      std::string& why) {
-  const double h = run.step_s;
-  const std::vector<State> before(states.begin(), states.end());
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const Body& body = run.world.bodies[i];
-    if (body.fixed) continue;
-    const State free =
-        next_free_state(scheme, body, before[i], wrenches[i], run.world.gravity_mps2, h);
-    states[i].velocity_mps = free.velocity_mps;
-    if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
-      push_momentum(body.inertia_kgm2, h * wrenches[i].torque_nm, states[i]);
-    } else {
-      states[i].angular_velocity_radps = free.angular_velocity_radps;
+  const FreeFall fall = free_fall(*scheme.impulse, run, wrenches, contacts, states);
+  if (!fall.falls) return advance_from(scheme, run, wrenches, fall, contacts, states, why).done;
+  const std::vector<State> start(states.begin(), states.end());
+  std::vector<PointContact> met = contacts;
+  if (fall.flight_s > 0.0) {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (run.world.bodies[i].fixed) continue;
+      states[i] = next_free_state(scheme, run.world.bodies[i], states[i], wrenches[i],
+                                  run.world.gravity_mps2, fall.flight_s);
     }
+    met.clear();
+    run.geometry(states, met);
   }
-  const auto unseen = [&](const PointContact& contact) {
-    return std::isfinite(scheme.impulse->plane_reach_share) && is_edge_on_plane(run.world, contact);
-  };
-  if (std::ranges::any_of(contacts, unseen)) {
-    why = "a plane finds the corners of a box one per step";
-    return false;
-  }
-  std::vector<Row> rows = active_rows(scheme, run, contacts, before);
-  const auto has_friction = [&](const Row& row) {
-    return contact_law(run.world, row.contact->body_a, row.contact->body_b).friction > 0.0;
-  };
-  if (rows.size() > 1 && std::ranges::any_of(rows, has_friction)) {
-    why = "several contacts with friction act in one step";
-    return false;
-  }
-  if (scheme.impulse->gives_up_at_zero_pivot) {
-    pivot_normals(scheme, run.world, h, contacts, rows, states);
-  } else {
-    solve_normals(scheme, h, rows, states);
-  }
-  if (rows.size() == 1 && has_friction(rows[0])) {
-    const ContactLaw law = contact_law(run.world, rows[0].contact->body_a, rows[0].contact->body_b);
-    solve_friction(scheme, law, h, rows[0], states);
-  }
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (run.world.bodies[i].fixed) continue;
-    const bool pushed = std::ranges::any_of(rows, [i](const Row& row) {
-      return row.impulse_ns > 0.0 && (row.contact->body_a == i || row.contact->body_b == i);
-    });
-    const bool new_velocity = pushed && scheme.position == PositionRule::mean_unless_pushed;
-    advance_position(new_velocity ? PositionRule::new_velocity : scheme.position,
-                     before[i].velocity_mps, h, states[i]);
-    if (scheme.gyroscopic == GyroscopicRule::spatial_momentum) {
-      turn_with_momentum(scheme, run.world.bodies[i].inertia_kgm2, before[i].angular_velocity_radps,
-                         h, states[i]);
-    } else {
-      states[i].orientation = next_attitude(scheme.attitude, before[i].orientation,
-                                            states[i].angular_velocity_radps, h);
-    }
-  }
-  for (const Row& row : rows) shift_split(scheme, run.world, row, states);
-  return true;
+  const Advance advance = advance_from(scheme, run, wrenches, fall, met, states, why);
+  if (!advance.done || !advance.held) return advance.done;
+  std::ranges::copy(start, states.begin());
+  return advance_from(scheme, run, wrenches, FreeFall{}, contacts, states, why).done;
 }
 
 double target_velocity_mps(const ImpulseContact& contact, double restitution, double gap_m,

@@ -8,6 +8,8 @@ namespace {
 
 // A box that spans more cells than this along an axis is compared with everything instead.
 constexpr double k_cells_per_body = 4.0;
+// Cells are counted up to here from the origin; what lies further out is compared with everything.
+constexpr double k_furthest_cell = 1e15;
 // A rebuild costs as much per body as some 100 comparisons of two boxes, whatever the number of
 // bodies: up to so many escaped bodies it is cheaper to compare each of them with everything.
 constexpr std::size_t k_few_escaped = 64;
@@ -27,6 +29,13 @@ struct Cell {
            (static_cast<std::uint64_t>(y) & mask) << 21 | (static_cast<std::uint64_t>(z) & mask);
   }
 };
+
+// Whether the grid has cells for the box: its corners are numbers, neither large nor far away.
+bool fits_the_grid(const Aabb& box, double size) {
+  return ((box.upper_m - box.lower_m).array() <= k_cells_per_body * size).all() &&
+         (box.lower_m.array().abs() <= k_furthest_cell * size).all() &&
+         (box.upper_m.array().abs() <= k_furthest_cell * size).all();
+}
 
 Cell cell_of(const Eigen::Vector3d& point, double size) {
   const auto index = [&](double c) { return static_cast<std::int64_t>(std::floor(c / size)); };
@@ -96,8 +105,8 @@ void BroadPhase::rebuild() {
   pairs_.clear();
   std::vector<double> extents;
   for (std::size_t i = 0; i < fat_.size(); ++i) {
-    const double extent = (fat_[i].upper_m - fat_[i].lower_m).maxCoeff();
-    if (!fixed_[i] && std::isfinite(extent)) extents.push_back(extent);
+    const Eigen::Vector3d extent = fat_[i].upper_m - fat_[i].lower_m;
+    if (!fixed_[i] && extent.allFinite()) extents.push_back(extent.maxCoeff());
   }
   if (extents.empty()) return;
   const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
@@ -106,10 +115,12 @@ void BroadPhase::rebuild() {
 
   std::vector<Entry> entries;
   std::vector<int> large;
+  std::vector<bool> is_large(fat_.size(), false);
   for (int i = 0; i < static_cast<int>(fat_.size()); ++i) {
     const Aabb& box = fat_[static_cast<std::size_t>(i)];
-    if (!((box.upper_m - box.lower_m).maxCoeff() <= k_cells_per_body * size)) {
+    if (!fits_the_grid(box, size)) {
       large.push_back(i);
+      is_large[static_cast<std::size_t>(i)] = true;
       continue;
     }
     const Cell low = cell_of(box.lower_m, size);
@@ -130,13 +141,10 @@ void BroadPhase::rebuild() {
       }
     begin = end;
   }
-  for (std::size_t l = 0; l < large.size(); ++l) {
+  for (const int i : large) {
     for (int j = 0; j < static_cast<int>(fat_.size()); ++j) {
-      if (j == large[l] || std::find(large.begin(), large.begin() + static_cast<std::ptrdiff_t>(l),
-                                     j) != large.begin() + static_cast<std::ptrdiff_t>(l)) {
-        continue;
-      }
-      if (is_pair(large[l], j)) pairs_.push_back({std::min(large[l], j), std::max(large[l], j)});
+      if (j == i || (j < i && is_large[static_cast<std::size_t>(j)])) continue;
+      if (is_pair(i, j)) pairs_.push_back({std::min(i, j), std::max(i, j)});
     }
   }
   std::ranges::sort(pairs_);

@@ -86,16 +86,20 @@ void ContactSet::add_manifold(int a, int b, const Manifold& manifold,
   }
 }
 
-void ContactSet::update(std::span<const Motion> motions, std::span<const double> reach_m,
-                        double step_s, WorkerPool& workers) {
-  std::swap(points_, previous_);
-  points_.clear();
-  inherited_.assign(previous_.size(), false);
+void ContactSet::find_pairs(std::span<const Motion> motions, std::span<const double> reach_m) {
   boxes_.resize(motions.size());
   for (std::size_t i = 0; i < motions.size(); ++i) {
     boxes_[i] = bounds(bodies_[i].geometry, motions[i], 0.5 * margin_m_ + reach_m[i]);
   }
   broad_phase_.update(boxes_);
+}
+
+void ContactSet::update(std::span<const Motion> motions, std::span<const double> reach_m,
+                        double step_s, WorkerPool& workers) {
+  std::swap(points_, previous_);
+  points_.clear();
+  inherited_.assign(previous_.size(), false);
+  find_pairs(motions, reach_m);
 
   const auto pairs = broad_phase_.pairs();
   manifolds_.resize(pairs.size());

@@ -40,7 +40,9 @@ class ContactSet {
 
   // Adds points that only show where the bodies get to; points() stays in the order of the pairs.
   void add(std::span<const ContactPoint> late);
-  // Pairs that may have come close within the reach of the last update().
+  // Finds the pairs for another reach; points() stays.
+  void find_pairs(std::span<const Motion> motions, std::span<const double> reach_m);
+  // Pairs that may have come close within the reach of the last update() or find_pairs().
   std::span<const BodyPair> pairs() const { return broad_phase_.pairs(); }
 
   std::span<const ContactPoint> points() const { return points_; }

@@ -10,6 +10,8 @@ namespace {
 // Largest turn (rad) of one discrete Moser-Veselov step: well inside the convergence of Newton's
 // method, and small enough that order four means an error near 1e-9 rad per turn.
 constexpr double k_largest_turn_rad = 0.02;
+// A step that turns further than so many of these is beyond any use of its phase: first order then.
+constexpr double k_most_parts = 1e5;
 // Newton stops when the last correction is below this; the next would be below rounding.
 constexpr double k_newton_tolerance = 1e-9;
 constexpr int k_newton_limit = 20;
@@ -112,7 +114,11 @@ Eigen::Quaterniond rotate_moser_veselov(const Eigen::Quaterniond& q,
                                         const Eigen::Vector3d& inertia_kgm2,
                                         const Eigen::Vector3d& momentum_kgm2ps, double step_s) {
   const double turn_rad = step_s * angular_velocity_radps(q, inertia_kgm2, momentum_kgm2ps).norm();
-  const int parts = std::max(1, static_cast<int>(std::ceil(turn_rad / k_largest_turn_rad)));
+  const double wanted = std::ceil(turn_rad / k_largest_turn_rad);
+  if (!(wanted <= k_most_parts)) {
+    return rotate_semi_implicit(q, inertia_kgm2, momentum_kgm2ps, step_s);
+  }
+  const int parts = std::max(1, static_cast<int>(wanted));
   Eigen::Quaterniond at = q;
   for (int i = 0; i < parts; ++i) {
     at = moser_veselov_step(at, inertia_kgm2, momentum_kgm2ps, step_s / parts);

@@ -39,6 +39,28 @@ void expect_complete(const BroadPhase& phase, const std::vector<Aabb>& boxes,
     }
 }
 
+// Bodies that an engine threw away, or whose places are no numbers, must not stop the others from
+// being found.
+TEST(BroadPhase, SurvivesBodiesThatAreNowhere) {
+  const double inf = std::numeric_limits<double>::infinity();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double far : {1e18, 1e25, 1e300, inf, -inf, nan}) {
+    for (const int lost : {1, 90, 200}) {
+      std::mt19937_64 random(12);
+      std::vector<Aabb> boxes = random_boxes(random, 200, 2.0);
+      BroadPhase phase(std::vector<bool>(boxes.size(), false), 0.01);
+      phase.update(boxes);
+      for (int i = 0; i < lost; ++i) {
+        Aabb& box = boxes[static_cast<std::size_t>(i)];
+        box.lower_m[i % 3] += far;
+        box.upper_m[i % 3] += far;
+      }
+      phase.update(boxes);
+      expect_complete(phase, boxes, std::vector<bool>(boxes.size(), false));
+    }
+  }
+}
+
 TEST(BroadPhase, NeverMissesAPairWhileBodiesWander) {
   std::mt19937_64 random(11);
   const int count = 200;
