@@ -170,8 +170,8 @@ double Dynamics::rebound_mps(std::size_t k) const {
   const Eigen::Vector3d relative_mps2 =
       body_steps_[b].acceleration_mps2 - body_steps_[a].acceleration_mps2;
   const double after_s = left_s(bodies_[a].fixed ? b : a) - touch.time_s;
-  return std::max(0.0, contact.restitution * touch.speed_mps +
-                           after_s * contact.normal.dot(relative_mps2));
+  return std::max(
+      0.0, contact.restitution * touch.speed_mps + after_s * contact.normal.dot(relative_mps2));
 }
 
 // Turns the gap of a contact into what the law is to see: all of it over the whole step, overlaps

@@ -1,4 +1,5 @@
-// Overlaps of two bodies: where they are, and between the two ends of their ways, where nobody looked.
+// Overlaps of two bodies: where they are, and between the two ends of their ways, where nobody
+// looked.
 #pragma once
 
 #include "ourengine/dynamics/collide.hpp"

@@ -40,11 +40,11 @@ Eigen::Quaterniond rotate_cf4(const Eigen::Quaterniond& q, const Eigen::Vector3d
 //   e0 I e + e x I e = h/2 m,   m = R^T L,
 // which keeps energy and momentum to rounding. I is replaced by moments that depend on the two
 // constants of the motion, so that the phase is of order four as well. The equation is solved by
-// Newton's method; a step that turns by more than 0.02 rad is split, one by more than 2000 rad (or by
-// no number) is semi-implicit.
-// Sources: J. Moser, A. Veselov, Discrete versions of some classical integrable systems, Comm.
-// Math. Phys. 139 (1991); E. Hairer, G. Vilmart, Preprocessed discrete Moser-Veselov algorithm for
-// the full dynamics of a rigid body, J. Phys. A 39 (2006), order four.
+// Newton's method; a step that turns by more than 0.02 rad is split, one by more than 2000 rad (or
+// by no number) is semi-implicit. Sources: J. Moser, A. Veselov, Discrete versions of some
+// classical integrable systems, Comm. Math. Phys. 139 (1991); E. Hairer, G. Vilmart, Preprocessed
+// discrete Moser-Veselov algorithm for the full dynamics of a rigid body, J. Phys. A 39 (2006),
+// order four.
 Eigen::Quaterniond rotate_moser_veselov(const Eigen::Quaterniond& q,
                                         const Eigen::Vector3d& inertia_kgm2,
                                         const Eigen::Vector3d& momentum_kgm2ps, double step_s);

@@ -149,8 +149,8 @@ inline BrickScene hit_wall(const Eigen::Vector3d& edges_m, double density_kgpm3,
     const double z_m = (k + 0.5) * edges_m.z();
     if (k % 2 == 0) {
       for (int i = 0; i < columns; ++i) {
-        add_moving(scene.wall, edges_m, {module_m * i + 0.5 * edges_m.x(), 0.0, z_m},
-                   density_kgpm3, {});
+        add_moving(scene.wall, edges_m, {module_m * i + 0.5 * edges_m.x(), 0.0, z_m}, density_kgpm3,
+                   {});
       }
       continue;
     }
@@ -195,9 +195,7 @@ class Draws {
 
 inline BrickScene draw_bodies(Draws& draw, double step_s) {
   const double size_m = draw.log_uniform(1e-3, 10.0);
-  const auto edge_m = [&] {
-    return std::clamp(size_m * draw.log_uniform(0.3, 3.0), 1e-3, 10.0);
-  };
+  const auto edge_m = [&] { return std::clamp(size_m * draw.log_uniform(0.3, 3.0), 1e-3, 10.0); };
   const auto edges_m = [&] {
     const double x = edge_m(), y = edge_m(), z = edge_m();
     return Eigen::Vector3d(x, y, z);

@@ -46,7 +46,7 @@ double energy_j(const BrickScene& scene, std::span<const Motion> motions, double
 
 // What a scene showed at its worst.
 struct Seen {
-  double gain = 0.0;    // energy made, over the largest kinetic energy and 1 % of the weight's
+  double gain = 0.0;     // energy made, over the largest kinetic energy and 1 % of the weight's
   double depth_m = 0.0;  // new overlap in steps that were not told
   double thin_m = 0.0;
   int parts = 1;
@@ -170,8 +170,8 @@ TEST(Stepping, BouncesTakePlaceWhenTheyTakePlace) {
       worst.see(ratio - e * e, "e " + std::to_string(e) + ", from " + std::to_string(height_m));
     }
   }
-  EXPECT_TRUE(worst.within({"energy after the bounce, relative", 4e-11, 2.5e-12,
-                            "the solver's residual of 1e-10"}));
+  EXPECT_TRUE(worst.within(
+      {"energy after the bounce, relative", 4e-11, 2.5e-12, "the solver's residual of 1e-10"}));
 }
 
 // Scenes that a random search found at fault once.
@@ -201,16 +201,15 @@ TEST(Stepping, TurningBricksDoNotEnterEachOther) {
 }
 
 TEST(Stepping, ElasticHitsWithFrictionMakeNoEnergy) {
-  BrickScene offset =
-      testing::meeting({{0.6957, 1.087, 1.592}, 6.502, 2.873, {0, 0, 10}},
-                       {{0.8218, 0.8558, 1.172}, 151.6}, 0.01353, 0.01741, 0.102);
+  BrickScene offset = testing::meeting({{0.6957, 1.087, 1.592}, 6.502, 2.873, {0, 0, 10}},
+                                       {{0.8218, 0.8558, 1.172}, 151.6}, 0.01353, 0.01741, 0.102);
   offset.law = {0.1, 1.0};
   offset.steps = 144;
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.9, Eigen::Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitX()));
-  BrickScene drop = testing::dropped(
-      {0.1981, 0.3688, 0.218}, 1909.0, 0.08526,
-      {.velocity_mps = {0, 0, -20}, .spin_radps = {50, 0, 0}, .attitude = tilt});
+  BrickScene drop =
+      testing::dropped({0.1981, 0.3688, 0.218}, 1909.0, 0.08526,
+                       {.velocity_mps = {0, 0, -20}, .spin_radps = {50, 0, 0}, .attitude = tilt});
   drop.law = {3.0, 1.0};
   drop.step_s = 1.0 / 60;
   std::vector<BrickScene> scenes = {offset, drop};
@@ -290,8 +289,7 @@ TEST(FirstTouch, IsTheFirstRoot) {
 // A brick that is in front of another and then behind it went through it, turning or not; one that
 // goes by does not.
 TEST(Passage, SeesWhatWentThrough) {
-  const BrickScene pair =
-      testing::meeting({{0.1, 0.1, 0.1}}, {{0.02, 0.4, 0.4}}, 0.5, 0.0, 0.0);
+  const BrickScene pair = testing::meeting({{0.1, 0.1, 0.1}}, {{0.02, 0.4, 0.4}}, 0.5, 0.0, 0.0);
   const auto& bodies = pair.wall.bodies;
   const Motion& wall = pair.wall.motions[1];
   const Way stays{wall, wall, {0, 0, 0}};
