@@ -26,9 +26,8 @@ std::string geometry_error(const PlaneGeometry&, const BodyModel& model) {
 }
 
 std::string body_model_error(const BodyModel& model, int kinds) {
-  const std::string shape =
-      std::visit([&](const auto& geometry) { return geometry_error(geometry, model); },
-                 model.geometry);
+  const std::string shape = std::visit(
+      [&](const auto& geometry) { return geometry_error(geometry, model); }, model.geometry);
   if (!shape.empty()) return shape;
   if (model.surface < 0 || model.surface >= kinds) return "its surface has no law";
   if (model.fixed) return "";

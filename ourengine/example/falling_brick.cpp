@@ -1,9 +1,8 @@
 // A brick falls onto another that stands on the ground; prints where both are, ten times a second.
+#include <cstdio>
 #include <ourengine/engine.hpp>
 #include <ourengine/model/mass_properties.hpp>
 #include <ourengine/version.hpp>
-
-#include <cstdio>
 
 namespace oe = ourengine;
 

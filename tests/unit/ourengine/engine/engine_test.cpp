@@ -110,7 +110,9 @@ TEST(EngineRefuses, WhatNoEngineCanHave) {
       {"body 1: mass is not positive", [](Scene& s) { s.bodies[1].mass_kg = -1.0; }},
       {"body 2: inertia is not positive", [](Scene& s) { s.bodies[2].inertia_kgm2.y() = 0.0; }},
       {"body 1: half edges are not positive",
-       [](Scene& s) { s.bodies[1].geometry = BoxGeometry{{0.1, 0.0, 0.1}}; }},
+       [](Scene& s) {
+         s.bodies[1].geometry = BoxGeometry{{0.1, 0.0, 0.1}};
+       }},
       {"body 1: radius is not positive",
        [](Scene& s) { s.bodies[1].geometry = SphereGeometry{-0.1}; }},
       {"body 1: a plane must be fixed", [](Scene& s) { s.bodies[1].geometry = PlaneGeometry{}; }},
