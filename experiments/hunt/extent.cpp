@@ -1,10 +1,10 @@
 #include "experiments/hunt/extent.hpp"
 
-#include "adapters/seam/shape.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "adapters/seam/shape.hpp"
 
 namespace brickbench::hunt {
 namespace {
