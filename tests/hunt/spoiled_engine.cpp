@@ -4,14 +4,16 @@
 #include <array>
 #include <utility>
 
+#include "adapters/seam/shape.hpp"
 #include "tests/faults/seeded_faults.hpp"
 
 namespace brickbench::testing {
 namespace {
 
 double reach_of(const Body& body) {
-  const auto* box = std::get_if<BoxShape>(&body.shape);
-  return box == nullptr ? 0.0 : box->half_extents_m.norm();
+  return by_shape(
+      body.shape, [](const BoxShape& box) { return box.half_extents_m.norm(); },
+      [](const SphereShape&) { return 0.0; }, [](const PlaneShape&) { return 0.0; });
 }
 
 template <typename Edit>

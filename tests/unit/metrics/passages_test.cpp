@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "adapters/seam/shape.hpp"
 #include "tests/unit/metrics/metric_runs.hpp"
 
 namespace brickbench::testing {
@@ -114,7 +115,7 @@ TEST(Passages, AreToldOfWhatSinksIntoTheGround) {
     const double step_s = 0.004;
     const auto steps = static_cast<std::size_t>(0.4 / (speed_mps * step_s)) + 2;
     for (const Body& ground : {ground_plane(), fixed_body("ground", BoxShape{{5, 5, 0.5}})}) {
-      const bool box = std::holds_alternative<BoxShape>(ground.shape);
+      const bool box = !is_half_space(ground.shape);
       const Poses down = [=](double time_s) {
         auto states = poses(time_s);
         if (box) states[1].position_m.z() = -0.5;
