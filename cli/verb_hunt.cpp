@@ -100,8 +100,10 @@ void print_text(const std::filesystem::path& folder, const hunt::Record& record,
     fmt::print("Nothing was found.\n");
     return;
   }
-  fmt::print("{}\n", to_terminal(findings_table(findings, k_findings_shown), standard_output_style()));
-  if (findings.size() > k_findings_shown) fmt::print("and {} more\n", findings.size() - k_shown);
+  fmt::print("{}\n",
+             to_terminal(findings_table(findings, k_findings_shown), standard_output_style()));
+  if (findings.size() > k_findings_shown)
+    fmt::print("and {} more\n", findings.size() - k_findings_shown);
   fmt::print("{} findings; each has a plan in {}, for example:\n  brickbench hunt --replay {}\n",
              findings.size(), folder.string(), (folder / (findings.front().id + ".toml")).string());
 }

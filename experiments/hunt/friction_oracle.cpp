@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/hunt/bounds.hpp"
 #include "adapters/seam/shape.hpp"
+#include "experiments/hunt/bounds.hpp"
 #include "experiments/hunt/extent.hpp"
 #include "experiments/hunt/oracles.hpp"
 

@@ -4,14 +4,14 @@
 #include <array>
 #include <utility>
 
+#include "adapters/seam/shape.hpp"
 #include "tests/faults/seeded_faults.hpp"
 
 namespace brickbench::testing {
 namespace {
 
 double reach_of(const Body& body) {
-  const auto* box = std::get_if<BoxShape>(&body.shape);
-  return box == nullptr ? 0.0 : box->half_extents_m.norm();
+  return is_half_space(body.shape) ? 0.0 : bounding_radius_m(body.shape);
 }
 
 template <typename Edit>
