@@ -22,13 +22,11 @@ std::string trial_sketch(const hunt::Trial& trial) {
 
 Table findings_table(const std::vector<hunt::Finding>& findings, std::size_t most) {
   Table table;
-  table.header = {"finding", "engine", "law", "observed", "allowed", "unit", "seen", "needs"};
+  table.header = {"finding", "observed", "allowed", "unit", "seen", "needs"};
   for (const hunt::Finding& finding : findings) {
     if (table.rows.size() == most) break;
     const hunt::Breach& breach = finding.breach();
     table.rows.push_back({{finding.id},
-                          {finding.shrunk.trial.engine.label()},
-                          {finding.oracle},
                           {fmt::format("{:.3g}", breach.observed)},
                           {fmt::format("{:.3g}", breach.allowed)},
                           {breach.unit},

@@ -102,7 +102,8 @@ void print_text(const std::filesystem::path& folder, const hunt::Record& record,
   }
   fmt::print("{}\n",
              to_terminal(findings_table(findings, k_findings_shown), standard_output_style()));
-  if (findings.size() > k_findings_shown) fmt::print("and {} more\n", findings.size() - k_shown);
+  if (findings.size() > k_findings_shown)
+    fmt::print("and {} more\n", findings.size() - k_findings_shown);
   fmt::print("{} findings; each has a plan in {}, for example:\n  brickbench hunt --replay {}\n",
              findings.size(), folder.string(), (folder / (findings.front().id + ".toml")).string());
 }

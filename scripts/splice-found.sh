@@ -16,10 +16,10 @@ need_markers $page found
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-mapfile -t engines < <("$program" list engines --json | sed -n 's/^ *"name": "\(.*\)",$/\1/p' | grep -v '^ourengine$' || true)
+listed=$("$program" list engines --json)
 choice=()
 for engine in bullet ode mujoco; do
-  if printf '%s\n' "${engines[@]}" | grep -qx "$engine"; then choice+=(--engine "$engine/*"); fi
+  if grep -q "\"$engine\"" <<<"$listed"; then choice+=(--engine "$engine/*"); fi
 done
 if [ ${#choice[@]} -eq 0 ]; then die "no engine of others is linked"; fi
 code=0

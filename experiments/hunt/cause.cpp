@@ -10,8 +10,9 @@ namespace {
 
 // brick_length_m and brick_height_m are sizes, spin_x_radps and spin_y_radps one spin.
 std::string kind_of(std::string name) {
+  const bool fall = name.starts_with("drop_");
   for (const std::string_view edge : {"_length_m", "_thickness_m", "_height_m"}) {
-    if (name.ends_with(edge)) return name.substr(0, name.size() - edge.size()) + "_size";
+    if (!fall && name.ends_with(edge)) return name.substr(0, name.size() - edge.size()) + "_size";
   }
   for (const std::string_view axis : {"_x", "_y", "_z"}) {
     const auto at = name.find(axis);

@@ -45,6 +45,21 @@ double work_j(const World& world, const gate::StepRecord& record) {
   return sum_j;
 }
 
+// What the attitude of one step may add, J: a rule that turns by 2 atan(h w / 2) or the like is
+// off by (h w)^3 / 12, and the energy of a held angular momentum changes by the gyroscopic torque
+// times that angle.
+double attitude_energy_j(const World& world, const gate::StepRecord& record) {
+  double sum_j = 0.0;
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (world.bodies[i].fixed) continue;
+    const Eigen::Vector3d& spin_radps = record.before[i].angular_velocity_radps;
+    const double turn_rad = record.step_s * spin_radps.norm();
+    const double torque_nm = spin_radps.cross(spin_nms(world.bodies[i], record.before[i])).norm();
+    sum_j += torque_nm * turn_rad * turn_rad * turn_rad / 12.0;
+  }
+  return sum_j;
+}
+
 }  // namespace
 
 std::optional<Breach> energy_breach(const Motion& motion) {
@@ -62,6 +77,7 @@ std::optional<Breach> energy_breach(const Motion& motion) {
     const gate::StepRecord record = motion.record(n);
     given_j += work_j(world, record);
     scheme_j += gate::energy_allowance_j(world, record, motion.scheme, k_rounding);
+    scheme_j += attitude_energy_j(world, record);
     most_kinetic_j = std::max(most_kinetic_j, kinetic_j(world, record.after));
     fastest.see(motion.states[n]);
     fastest.see(motion.states[n + 1]);

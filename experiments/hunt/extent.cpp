@@ -11,18 +11,6 @@ namespace {
 
 constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
-struct Reach {
-  double operator()(const BoxShape& box) const { return box.half_extents_m.norm(); }
-  double operator()(const SphereShape& ball) const { return ball.radius_m; }
-  double operator()(const PlaneShape&) const { return 0.0; }
-};
-
-struct Thinnest {
-  double operator()(const BoxShape& box) const { return 2.0 * box.half_extents_m.minCoeff(); }
-  double operator()(const SphereShape& ball) const { return 2.0 * ball.radius_m; }
-  double operator()(const PlaneShape&) const { return k_infinite; }
-};
-
 // d = v t + a t^2 / 2 for the smallest t >= 0; infinite where there is none.
 double time_to_cover_s(double distance_m, double speed_mps, double acceleration_mps2) {
   if (distance_m <= 0.0) return 0.0;
@@ -52,9 +40,9 @@ double meeting_s(const World& world, const Body& a, const Body& b) {
 
 }  // namespace
 
-double reach_m(const Shape& shape) { return std::visit(Reach{}, shape); }
+double reach_m(const Shape& shape) { return is_half_space(shape) ? 0.0 : bounding_radius_m(shape); }
 
-double thinnest_m(const Shape& shape) { return std::visit(Thinnest{}, shape); }
+double thinnest_m(const Shape& shape) { return thickness_m(shape); }
 
 double thinnest_m(const World& world) {
   double least_m = k_infinite;

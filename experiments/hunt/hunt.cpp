@@ -38,7 +38,7 @@ class Loop {
         until_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                   std::chrono::duration<double>(options.budget_s))) {
     for (std::size_t i = 0; i < record.finds().size(); ++i) {
-      if (!record.shrunk().contains(i)) to_shrink_.push_back(i);
+      if (options.shrinks && !record.shrunk().contains(i)) to_shrink_.push_back(i);
     }
   }
 
@@ -131,7 +131,7 @@ class Loop {
       const auto& [judged, verdict_of_it] = early_.begin()->second;
       if (auto ok = progress_.append(record_.judged(), judged, verdict_of_it); !ok) return ok;
       for (const std::size_t place : record_.add(record_.judged(), judged, verdict_of_it)) {
-        to_shrink_.push_back(place);
+        if (options_.shrinks) to_shrink_.push_back(place);
       }
       early_.erase(early_.begin());
     }

@@ -13,6 +13,7 @@ struct HuntOptions {
   double budget_s = 60.0;  // no trial begins later; what was found is shrunk to its end
   std::uint64_t most_trials = std::numeric_limits<std::uint64_t>::max();
   std::size_t workers = 1;
+  bool shrinks = true;  // else what was found stays as it was drawn
   DrawLimits limits;
 };
 

@@ -63,7 +63,10 @@ double first_order_nms(const World& world, const gate::StepRecord& record) {
     const Body& body = world.bodies[i];
     const State& before = record.before[i];
     const State& after = record.after[i];
-    sum_nms += h * before.angular_velocity_radps.cross(spin_nms(body, before)).norm();
+    const Eigen::Vector3d own_nms = spin_nms(body, before);
+    const double torque_nm = before.angular_velocity_radps.cross(own_nms).norm();
+    // The second: turning with the spin of the step's end instead of its start.
+    sum_nms += h * torque_nm + h * h * torque_nm / body.inertia_kgm2.minCoeff() * own_nms.norm();
     const double push_ns =
         body.mass_kg * (after.velocity_mps - before.velocity_mps - h * world.gravity_mps2).norm();
     const double way_m = h * (fastest_point_mps(body, before) + fastest_point_mps(body, after)) +

@@ -9,7 +9,7 @@ namespace brickbench::hunt {
 namespace {
 
 // Of the momentum that contacts gave in the step.
-constexpr double k_push_share = 0.05;
+constexpr double k_push_share = 0.1;
 // Of the weights times the step: what a solver that was stopped early may leave.
 constexpr double k_weight_share = 0.05;
 // Of the momenta: what rounding leaves of a step, in double precision, and in engines that count in

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <string>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/scenarios/parts.hpp"
 
 namespace brickbench {
@@ -114,10 +116,10 @@ Expected<Scene> make(const ParameterValues& values) {
   } else {
     lattice(scene, draw, values, arrangement == "pile");
   }
-  scene.length_scale_m = 1e300;
+  scene.length_scale_m = std::numeric_limits<double>::infinity();
   for (const std::size_t index : scene.bricks) {
-    const auto& box = std::get<BoxShape>(scene.world.bodies[index].shape);
-    scene.length_scale_m = std::min(scene.length_scale_m, 2.0 * box.half_extents_m.minCoeff());
+    scene.length_scale_m =
+        std::min(scene.length_scale_m, thickness_m(scene.world.bodies[index].shape));
   }
   return scene;
 }

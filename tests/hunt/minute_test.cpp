@@ -14,7 +14,7 @@ namespace {
 const std::vector<std::string> k_clean = {};
 
 constexpr std::uint64_t k_seed = 14;
-constexpr std::uint64_t k_trials_of_each = 40;
+constexpr std::uint64_t k_trials_of_each = 25;
 constexpr DrawLimits k_minute = {.bodies = 20, .body_steps = 3000.0, .most_steps = 600};
 
 std::vector<EngineVariant> own_engines(const Catalogues& catalogues) {
@@ -32,7 +32,7 @@ std::string report(const Record& record) {
     text += outcome + " " + std::to_string(count) + "\n";
   }
   for (const auto& [kind, count] : record.seen()) text += kind + " " + std::to_string(count) + "\n";
-  for (const auto& [place, shrunk] : record.shrunk()) text += label(shrunk.trial) + "\n";
+  for (const Find& find : record.finds()) text += label(find.trial) + "\n";
   return text;
 }
 
@@ -50,6 +50,7 @@ class Minute : public ::testing::Test {
     options.most_trials = trials;
     options.workers = workers;
     options.limits = k_minute;
+    options.shrinks = false;
     const auto ran = run_hunt(quarry_, catalogues_, options, *file, record);
     EXPECT_TRUE(ran.has_value()) << ran.error().reason;
     std::filesystem::remove_all(folder);

