@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
 #include "cli/json_number.hpp"
 #include "cli/report_output.hpp"

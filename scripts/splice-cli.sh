@@ -21,8 +21,9 @@ need_markers $page verbs
   }
   /^    / {
     if (fresh) { print "\n| option | meaning |\n|---|---|"; fresh = 0 }
-    option = $0; sub(/^ */, "", option); sub(/: .*/, "", option)
-    meaning = $0; sub(/^[^:]*: /, "", meaning); gsub(/\|/, "\\|", meaning)
+    at = index($0, ": ")
+    option = substr($0, 1, at - 1); sub(/^ */, "", option)
+    meaning = substr($0, at + 2); gsub(/\|/, "\\|", meaning)
     print "| `" option "` | " meaning " |"
   }' | put $page verbs
 echo "splice-cli: $page has $(grep -c '^### ' $page) verbs"

@@ -16,8 +16,8 @@ inline constexpr double k_most_body_steps = 8000.0;
 // the least that the parameter may have, one the largest; the others are spread evenly, over the
 // logarithm where the range spans a decade. Without an own time of the case the duration is half
 // to twice the default. The step is such that the run has ten steps or more and no more than the
-// cost allows; where the case measures time in steps, it is any of the range. The drawing may lie
-// outside the domain: exact_case.outside says so.
+// cost allows, or the longest of the range; where the case measures time in steps, it is any. The
+// drawing may lie outside the domain: exact_case.outside says so.
 ParameterValues draw(const ExactCase& exact_case, std::uint64_t seed, std::size_t index);
 
 }  // namespace brickbench::exact

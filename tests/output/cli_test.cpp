@@ -376,6 +376,26 @@ TEST_F(Program, PageOfChoicesTellsTheSubStepOfOurs) {
   }
 }
 
+TEST_F(Program, PageOfOursNamesTheShapesOfEveryVariant) {
+  const std::string page = *read_file("ourengine/README.md");
+  ASSERT_NE(page.find("All variants have boxes, spheres and fixed planes."), std::string::npos);
+  World world;
+  State above;
+  above.position_m.z() = 1.0;
+  world.bodies = {fixed_body("plane", PlaneShape{}, State{}),
+                  solid_body("ball", SphereShape{0.1}, 1000.0, above)};
+  above.position_m.x() = 1.0;
+  world.bodies.push_back(solid_body("box", BoxShape{{0.1, 0.1, 0.1}}, 1000.0, above));
+  for (const Adapter& adapter : adapters()) {
+    if (!adapter.own) continue;
+    for (const Variant& variant : adapter.variants) {
+      const auto built =
+          build(adapter, world, {.step_s = 0.001, .variant = variant.name, .knobs = {}});
+      EXPECT_TRUE(built) << variant.name << ": " << built.error().reason;
+    }
+  }
+}
+
 TEST_F(Program, ListsAreArraysOfObjectsWithIds) {
   for (const char* what : {"engines", "scenarios", "metrics", "plans", "verbs", "cases"}) {
     const Answer answer = ask(std::string("list ") + what + " --json");
