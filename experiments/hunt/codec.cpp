@@ -6,6 +6,9 @@
 namespace brickbench::hunt {
 namespace {
 
+constexpr const char* k_scenario = "scenario";
+constexpr const char* k_exact_case = "exact_case";
+
 // Numbers beyond the finite are words in JSON.
 Json number_json(double x) {
   return std::isfinite(x) ? Json(x) : Json(std::isnan(x) ? "nan" : "inf");
@@ -27,10 +30,14 @@ Json to_json(const Trial& trial) {
   }
   auto knobs = Json::object();
   for (const auto& [name, value] : trial.knobs) knobs[name] = value;
-  return {
-      {"scene", trial.scene},   {"engine", trial.engine.engine}, {"variant", trial.engine.variant},
-      {"step_s", trial.step_s}, {"steps", trial.steps},          {"parameters", parameters},
-      {"knobs", knobs}};
+  return {{"source", trial.source == Source::scenario ? k_scenario : k_exact_case},
+          {"scene", trial.scene},
+          {"engine", trial.engine.engine},
+          {"variant", trial.engine.variant},
+          {"step_s", trial.step_s},
+          {"steps", trial.steps},
+          {"parameters", parameters},
+          {"knobs", knobs}};
 }
 
 Json to_json(const Breach& breach) {
@@ -60,7 +67,7 @@ Json to_json(const Shrunk& shrunk) {
 
 Trial trial_of(const Json& json) {
   Trial trial;
-  const bool scenario = json.at("source").get<std::string>() == "scenario";
+  const bool scenario = json.at("source").get<std::string>() == k_scenario;
   trial.source = scenario ? Source::scenario : Source::exact_case;
   trial.scene = json.at("scene").get<std::string>();
   trial.engine = {json.at("engine").get<std::string>(), json.at("variant").get<std::string>()};

@@ -122,6 +122,7 @@ Checked<std::optional<Trial>> case_trial(const std::string& text, const std::str
 
 std::string plan_text(const Trial& trial, const Verdict& verdict, std::string_view oracle,
                       const std::string& file, const std::string& origin) {
+  if (trial.source == Source::exact_case) return case_text(trial, verdict, file, origin);
   std::string text =
       fmt::format("# brickbench hunt --replay {}\n# brickbench run {}\n", file, file);
   text +=

@@ -40,15 +40,17 @@ class Search {
     return any;
   }
 
+  // A count below its default stays: fewer bodies are worth more than one parameter less.
   bool drop_parameters() {
-    if (best_.trial.parameters.size() > 1) {
-      Trial candidate = best_.trial;
-      candidate.parameters.clear();
-      if (accept(candidate)) return true;
+    Trial bare = best_.trial;
+    for (const Parameter& parameter : parameters_) {
+      if (!is_lowered_count(parameter)) bare.parameters.erase(parameter.name);
     }
+    if (accept(bare)) return true;
     bool any = false;
     for (const Parameter& parameter : parameters_) {
       if (!best_.trial.parameters.contains(parameter.name)) continue;
+      if (is_lowered_count(parameter)) continue;
       Trial candidate = best_.trial;
       candidate.parameters.erase(parameter.name);
       any = accept(candidate) || any;
@@ -126,6 +128,11 @@ class Search {
     const auto found = best_.trial.parameters.find(parameter.name);
     return std::get<double>(found == best_.trial.parameters.end() ? parameter.default_value
                                                                   : found->second);
+  }
+
+  bool is_lowered_count(const Parameter& parameter) const {
+    return parameter.kind == ParameterKind::integer &&
+           value_of(parameter) < std::get<double>(parameter.default_value);
   }
 
   bool try_value(const Parameter& parameter, double value) {

@@ -17,8 +17,9 @@ struct Shrunk {
 };
 
 // Tries in turn, as long as anything helps and probes are left: fewer knobs, parameters at their
-// defaults, fewer bodies, fewer steps, rounder and larger steps, numbers of one digit, then two. A
-// change stays if `oracle` is still broken.
+// defaults, lower counts (below their defaults too), fewer steps, rounder and larger steps, numbers
+// of one digit, then two. A change stays if `oracle` is still broken. No turn undoes what another
+// did, so the search ends by itself.
 Shrunk shrink(const Trial& trial, const Verdict& verdict, std::string_view oracle,
               const Catalogues& catalogues, const Judge& judge, std::size_t most_probes);
 

@@ -52,6 +52,7 @@ TEST(Shrink, LeavesWhatIsNeededAndNothingElse) {
   EXPECT_EQ(shrunk.trial.step_s, 0.001);
   EXPECT_LT(shrunk.trial.steps, 80u);
   EXPECT_EQ(needed(shrunk.trial), "count, restitution");
+  EXPECT_LT(shrunk.probes, 100u);
 }
 
 TEST(Shrink, KeepsTheKnobThatIsNeededAndCoarseNumbers) {
@@ -62,7 +63,9 @@ TEST(Shrink, KeepsTheKnobThatIsNeededAndCoarseNumbers) {
   };
   const Shrunk shrunk = shrink(crowded(), broken(5), "energy", shrink_catalogues(), judge, 1000);
   EXPECT_EQ(shrunk.trial.knobs, (KnobValues{{"erp", 0.3}}));
-  EXPECT_EQ(shrunk.trial.parameters, (ParameterValues{{"density_kgpm3", 1200.0}}));
+  // One brick instead of the ten of the default: no brick more than needed.
+  EXPECT_EQ(shrunk.trial.parameters, (ParameterValues{{"count", 1.0}, {"density_kgpm3", 1200.0}}));
+  EXPECT_LT(shrunk.probes, 100u);
 }
 
 TEST(Shrink, StopsAtItsProbesAndAtATrialThatTellsItself) {
