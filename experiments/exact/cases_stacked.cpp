@@ -104,6 +104,8 @@ ExactCase pull_threshold() {
   threshold.critical = critical_force_n;
   threshold.happened = parted;
   threshold_case.threshold = threshold;
+  // What happens after the onset does not matter.
+  threshold_case.outside = nullptr;
   threshold_case.parameters =
       with_time({real("friction", "1", 0.4, 0.05, 2.0, "friction between the bricks"),
                  real("force_n", "N", 15.0, 0.1, 1e3, "pull on the lower brick")},

@@ -108,7 +108,8 @@ void BroadPhase::rebuild() {
     const Eigen::Vector3d extent = fat_[i].upper_m - fat_[i].lower_m;
     if (!fixed_[i] && extent.allFinite()) extents.push_back(extent.maxCoeff());
   }
-  if (extents.empty()) return;
+  // Where no body that moves has a size, none fits a grid of any size.
+  if (extents.empty()) extents.push_back(1.0);
   const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
   std::ranges::nth_element(extents, middle);
   const double size = *middle;

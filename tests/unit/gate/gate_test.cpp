@@ -248,6 +248,7 @@ TEST_F(DamagedReference, IsNamedByRecordInAnotherLayout) {
 
 TEST(Gate, JUnitNamesTheOffenderAndEscapesIt) {
   CheckResult result;
+  result.command = "brickbench check smoke";
   Record odd = bound_record(1.0, 0.1);
   odd.metric = "a<b";
   Record far = odd;

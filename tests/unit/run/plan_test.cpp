@@ -311,7 +311,7 @@ TEST(Plan, KeyHoldsEverythingThatDecides) {
   const auto cells = cells_of(with(""));
   ASSERT_TRUE(cells.has_value());
   EXPECT_EQ(cell_key(cells->front(), "1.0", "abc"),
-            "schema=1;revision=abc;experiment=fall;scenario=fall;engine=good;variant=plain;"
+            "schema=2;revision=abc;experiment=fall;scenario=fall;engine=good;variant=plain;"
             "version=1.0;step_s=0.01;duration_s=0.1;time_limit_s=0;seed=0;balls=1;kind=sphere;"
             "mass_kg=1;push_ns=0;sticky=0;metrics=fall");
 }
