@@ -88,6 +88,8 @@ std::vector<Diagnostic> diagnostics_of(const engine::StepReport& report) {
           {"iterations", "1", double(report.iterations)},
           {"factorisations", "1", double(report.factorisations)},
           {"passes", "1", double(report.passes)},
+          {"parts", "1", double(report.parts)},
+          {"rebound_share", "1", report.rebound_share},
           {"overlap_left_m", "m", report.overlap_left_m},
           {"ran_out", "1", report.ran_out ? 1.0 : 0.0},
           {"unsolved", "1", report.status == engine::SolveStatus::kSolved ? 0.0 : 1.0}};

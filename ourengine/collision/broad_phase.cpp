@@ -32,7 +32,7 @@ struct Cell {
 
 // Whether the grid has cells for the box: its corners are numbers, neither large nor far away.
 bool fits_the_grid(const Aabb& box, double size) {
-  return ((box.upper_m - box.lower_m).array() <= k_cells_per_body * size).all() &&
+  return size > 0.0 && ((box.upper_m - box.lower_m).array() <= k_cells_per_body * size).all() &&
          (box.lower_m.array().abs() <= k_furthest_cell * size).all() &&
          (box.upper_m.array().abs() <= k_furthest_cell * size).all();
 }
@@ -108,11 +108,12 @@ void BroadPhase::rebuild() {
     const Eigen::Vector3d extent = fat_[i].upper_m - fat_[i].lower_m;
     if (!fixed_[i] && extent.allFinite()) extents.push_back(extent.maxCoeff());
   }
-  // Where no body that moves has a size, none fits a grid of any size.
-  if (extents.empty()) extents.push_back(1.0);
-  const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
-  std::ranges::nth_element(extents, middle);
-  const double size = *middle;
+  double size = 0.0;  // without one the grid has no cells
+  if (!extents.empty()) {
+    const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
+    std::ranges::nth_element(extents, middle);
+    size = *middle;
+  }
 
   std::vector<Entry> entries;
   std::vector<int> large;

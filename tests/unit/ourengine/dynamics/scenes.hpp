@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ourengine/dynamics/model.hpp"
+#include "ourengine/integration/rotation.hpp"
 #include "tests/unit/ourengine/dynamics/wall.hpp"
 
 namespace ourengine::testing {
