@@ -65,6 +65,33 @@ void FastDynamics::join_islands() {
   }
 }
 
+// Islands with nothing fixed have the momentum that gravity and loads give them, in double
+// precision: the roundings of the sub-steps would be energy of their common motion, of which a
+// light body that a heavy one strikes has too little to pay for.
+void FastDynamics::restore_momentum() {
+  struct Sum {
+    double mass_kg = 0.0;
+    Eigen::Vector3d missing_ns = Eigen::Vector3d::Zero();
+  };
+  std::vector<Sum> islands(bodies_.size());
+  const auto is_afloat = [&](std::size_t i) {
+    return touched_[i] != 0 && !bodies_[i].fixed && grounded_[at(island_[i])] == 0;
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!is_afloat(i)) continue;
+    const double mass_kg = bodies_[i].mass_kg;
+    Sum& island = islands[at(island_[i])];
+    island.mass_kg += mass_kg;
+    island.missing_ns += mass_kg * (motions_[i].velocity_mps - ends_[i].velocity_mps) +
+                         step_s_ * (mass_kg * options_.gravity_mps2 + loads_[i].force_n);
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!is_afloat(i)) continue;
+    const Sum& island = islands[at(island_[i])];
+    ends_[i].velocity_mps += island.missing_ns / island.mass_kg;
+  }
+}
+
 Twist FastDynamics::twist_of(std::size_t i) const {
   return {ends_[i].velocity_mps,
           angular_velocity_radps(motions_[i].attitude, bodies_[i].inertia_kgm2,
@@ -275,6 +302,9 @@ void FastDynamics::limit_island(std::span<const int> bodies, Energy& energy) {
   energy_taken_j_ += taken_j;
   for (std::size_t k = 0; k < members.size(); ++k) {
     Motion& end = ends_[at(bodies[k])];
+    if (grounded) {
+      momentum_taken_ns_ += members[k].mass_kg * (end.velocity_mps - members[k].velocity.linear);
+    }
     end.velocity_mps = members[k].velocity.linear;
     end.angular_momentum_kgm2ps = members[k].inertia_kgm2 * members[k].velocity.angular;
   }

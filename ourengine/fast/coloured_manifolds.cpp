@@ -195,6 +195,30 @@ void FastDynamics::mark_touched() {
   });
 }
 
+// Size of the loads on both bodies, torques with the lever of the body's radius.
+float FastDynamics::load_n(const SoftManifold& manifold) const {
+  double sum_n = 0.0;
+  for (const int body : {manifold.body_a, manifold.body_b}) {
+    if (bodies_[at(body)].fixed) continue;
+    const Load& load = loads_[at(body)];
+    if (load.force_n.isZero(0.0) && load.torque_nm.isZero(0.0)) continue;
+    sum_n += load.force_n.norm() + load.torque_nm.norm() / radius_m_[at(body)];
+  }
+  return static_cast<float>(sum_n);
+}
+
+// Impulses that held a load which is gone would throw the body: they are not carried over.
+void FastDynamics::forget_ended_loads() {
+  for (SoftManifold& manifold : contacts_.manifolds()) {
+    if (manifold.load_n == 0.0F) continue;
+    if (load_n(manifold) >= FastLimits::k_load_left * manifold.load_n) continue;
+    manifold.impulse.fill(0.0F);
+    manifold.friction_impulse.setZero();
+    manifold.twist_impulse = 0.0F;
+    manifold.load_n = 0.0F;
+  }
+}
+
 // Back into the manifolds, of which each has one slot, as what a sub-step of an uncut step would
 // apply.
 void FastDynamics::keep_impulses() {
@@ -213,6 +237,7 @@ void FastDynamics::keep_impulses() {
                      batch.friction_impulse[1][i] * batch.tangent[1][k][i]);
       }
       manifold.twist_impulse = scale * batch.twist_impulse[i];
+      manifold.load_n = load_n(manifold);
     }
   });
 }

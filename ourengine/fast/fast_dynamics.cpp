@@ -76,6 +76,7 @@ void FastDynamics::restore(const Snapshot& snapshot) {
 const FastReport& FastDynamics::step() {
   report_ = {};
   cut_contacts_.clear();
+  forget_ended_loads();
   advance(options_.step_s, 0);
   std::ranges::stable_sort(cut_contacts_, {}, [](const SoftContact& c) {
     return BodyPair{c.body_a, c.body_b};
@@ -135,10 +136,12 @@ bool FastDynamics::turns_far() const {
 bool FastDynamics::close() {
   rebound_left_mps_ = 0.0;
   energy_taken_j_ = 0.0;
+  momentum_taken_ns_.setZero();
   deepest_m_ = 0.0;
   for (const Slot& slot : slots_) deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
   if (is_quiet()) return true;
   join_islands();
+  restore_momentum();
   rebound();
   return limit_energies();
 }
@@ -148,6 +151,7 @@ void FastDynamics::accept() {
   report_.overlap_left_m = std::max(report_.overlap_left_m, overlap_left_m_);
   report_.rebound_left_mps = std::max(report_.rebound_left_mps, rebound_left_mps_);
   report_.energy_taken_j += energy_taken_j_;
+  report_.momentum_taken_ns += momentum_taken_ns_;
   report_.deepest_m = deepest_m_;
   keep_impulses();
   std::swap(motions_, ends_);

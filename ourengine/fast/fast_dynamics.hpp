@@ -48,6 +48,8 @@ struct FastReport {
   double rebound_left_mps = 0.0;
   // Kinetic energy (J) taken from groups of touching bodies that would have had more than before.
   double energy_taken_j = 0.0;
+  // Momentum (N s) that went with it, where something fixed is in the group. No contact shows it.
+  Eigen::Vector3d momentum_taken_ns = Eigen::Vector3d::Zero();
   // The limits stopped the smallest part of the step: contacts may be missing, or the sweeps made
   // were too few.
   bool ran_out = false;
@@ -68,6 +70,8 @@ struct FastLimits {
   // More energy than was there, that slowing the contacts cannot take away, is no more than this
   // share.
   static constexpr double k_energy_share = 1e-6;
+  // Of the loads that carried impulses held: where less is left, the impulses are forgotten.
+  static constexpr float k_load_left = 0.5F;
   // What is not settled then is cut in halves with as many sub-steps each, so often.
   static constexpr int k_cuts = 5;
 };
@@ -152,6 +156,8 @@ class FastDynamics {
   void try_step();
   void mark_touched();
   void keep_impulses();
+  float load_n(const SoftManifold& manifold) const;
+  void forget_ended_loads();
   void find_ends();
   Motion end_of(std::size_t body) const;
   Eigen::Quaterniond turned_freely(std::size_t body, const Eigen::Vector3d& turn_rad) const;
@@ -161,6 +167,7 @@ class FastDynamics {
   bool is_quiet() const;
   void join_islands();
   int island_of(int body);
+  void restore_momentum();
   void rebound();
   double fastest_approach_mps(const Slot& slot) const;
   double settle_rows(std::span<const Slot* const> slots, double enough_mps);
@@ -193,6 +200,7 @@ class FastDynamics {
   float impulse_share_ = 1.0F;   // its sub-step over that of an uncut step
   double overlap_left_m_ = 0.0;  // by its last trial
   double energy_taken_j_ = 0.0;
+  Eigen::Vector3d momentum_taken_ns_ = Eigen::Vector3d::Zero();
   double rebound_left_mps_ = 0.0;
   double deepest_m_ = 0.0;
   std::vector<SoftContact> cut_contacts_;  // of all parts, where the step was cut

@@ -69,6 +69,7 @@ void inherit(const SoftManifold& old, SoftManifold& made, double thin_m) {
   if (std::ranges::none_of(taken, std::identity())) return;
   made.friction_impulse = old.friction_impulse;
   made.twist_impulse = old.twist_impulse;
+  made.load_n = old.load_n;
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ struct SoftManifold {
   std::array<float, k_points> impulse{};
   Eigen::Vector3f friction_impulse = Eigen::Vector3f::Zero();  // on b, world axes
   float twist_impulse = 0.0F;
+  float load_n = 0.0F;  // size of the loads on both bodies in that step
 };
 
 // At most four of the manifold's points: the deepest, the furthest from it, then the points that
