@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# splice-found.sh [BRICKBENCH]: hunts every engine that is not ours with a fixed seed, keeps the plans of the findings in
-# reference_data/found, and puts their table between the markers of docs/found.md.
+# splice-found.sh [BRICKBENCH]: hunts every engine that is not ours with a fixed seed, for TRIALS trials (4000), keeps
+# the plans of the findings in reference_data/found, and puts their table between the markers of docs/found.md.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -25,9 +25,11 @@ if [ ${#choice[@]} -eq 0 ]; then die "no engine of others is linked"; fi
 code=0
 "$program" hunt "${choice[@]}" --seed $seed --trials "$trials" --budget 24h --out "$scratch/hunt" >"$scratch/text" || code=$?
 if [ $code -gt 1 ]; then die "the hunt did not run"; fi
+mkdir -p $kept
 rm -f $kept/*.toml
 for plan in "$scratch"/hunt/*.toml; do
   if [ -e "$plan" ]; then sed "s|$scratch/hunt/|$kept/|" "$plan" >"$kept/${plan##*/}"; fi
 done
-put $page found <<<"$(sed "s|(\./|(../$kept/|" "$scratch/hunt/findings.md")"$'\n\n'"$(measured "$program")"
+made="Made by \`TRIALS=$trials scripts/splice-found.sh\`."
+put $page found <<<"$(sed "s|(\./|(../$kept/|" "$scratch/hunt/findings.md")"$'\n\n'"$made $(measured "$program")"
 echo "splice-found: $page has $(find $kept -name '*.toml' | wc -l) findings"

@@ -45,7 +45,7 @@ std::optional<Breach> push_breach(const Motion& motion) {
       size_ns += (body.mass_kg * (record.after[i].velocity_mps - record.before[i].velocity_mps) -
                   motion.step_s * (body.mass_kg * world.gravity_mps2 + record.wrenches[i].force_n))
                      .norm();
-      moving_ns += body.mass_kg * record.before[i].velocity_mps.norm();
+      moving_ns += body.mass_kg * fastest_point_mps(body, record.before[i]);
     }
     const double rounding_ns = rounding * (moving_ns + weight_ns);
     if (size_ns <= rounding_ns) continue;
