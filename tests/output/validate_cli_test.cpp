@@ -115,8 +115,8 @@ TEST_F(Program, ValidateTellsKnownFailuresFromNewOnes) {
 TEST_F(Program, ValidateScansCasesAndItsCommandsReproduce) {
   const auto cell_asked = failing_cell(false);
   if (!cell_asked) GTEST_SKIP() << "no engine with an open question is linked";
-  const std::string scan = *cell_asked + " --questions " + put("none.csv", k_no_questions) +
-                           " --scan 3 --seed 7";
+  const std::string scan =
+      *cell_asked + " --questions " + put("none.csv", k_no_questions) + " --scan 3 --seed 7";
   const Answer answer = ask(scan + " --json");
   ASSERT_EQ(answer.code, 1) << answer.out << answer.err;
   EXPECT_EQ(ask(scan + " --json").out, answer.out);
@@ -128,8 +128,8 @@ TEST_F(Program, ValidateScansCasesAndItsCommandsReproduce) {
   for (const auto& cell : json["cells"]) {
     const std::string command = cell["reproduce"];
     ASSERT_TRUE(command.starts_with("brickbench validate "));
-    const Answer again = ask(command.substr(std::string("brickbench ").size()) +
-                             " --questions " + path("none.csv") + " --json");
+    const Answer again = ask(command.substr(std::string("brickbench ").size()) + " --questions " +
+                             path("none.csv") + " --json");
     EXPECT_EQ(again.code, 1) << command;
     const auto shown = nlohmann::json::parse(again.out)["cells"][0];
     EXPECT_EQ(shown["scores"], cell["scores"]) << command;
