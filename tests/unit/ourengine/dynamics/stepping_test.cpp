@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "ourengine/dynamics/dynamics.hpp"
@@ -105,11 +106,14 @@ constexpr Tolerance k_gain = {"energy made, relative", 6e-7, 3.7e-8,
 double depth_bound_m(const Seen& seen) { return 5.0 * std::min(1e-4, 0.01 * seen.thin_m); }
 
 TEST(Stepping, RandomScenesMakeNoEnergyAndLetNothingThrough) {
-  constexpr unsigned k_seeds = 600;
-  constexpr int k_told_at_most = 40;
+  std::vector<unsigned> seeds(600);
+  std::iota(seeds.begin(), seeds.end(), 0U);
+  // Each of these needs a part of the step that the first 600 do without.
+  seeds.insert(seeds.end(), {766U, 775U, 997U, 1412U, 1800U, 2735U});
+  constexpr int k_told_at_most = 20;
   Worst gain, momentum;
   int scenes = 0, told = 0;
-  for (unsigned seed = 0; seed < k_seeds; ++seed) {
+  for (const unsigned seed : seeds) {
     const BrickScene scene = testing::random_scene(seed);
     if (deepest_overlap_m(scene.wall.bodies, scene.wall.motions) > 1e-9) continue;
     const std::string name = scene.name + ", seed " + std::to_string(seed);
@@ -261,6 +265,77 @@ TEST(Stepping, ContactsOfAllPartsAddUp) {
   }
   EXPECT_GT(most_parts, 1);
   EXPECT_TRUE(worst.within({"velocity (m/s)", 2e-13, 2e-14, "rounding of 100 m/s"}));
+}
+
+struct Whole {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_nms = Eigen::Vector3d::Zero();  // about the centre
+};
+
+Whole whole(const BrickScene& scene, std::span<const Motion> motions) {
+  Whole sum;
+  double mass_kg = 0.0;
+  const auto moves = [&](std::size_t i) { return !scene.wall.bodies[i].fixed; };
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!moves(i)) continue;
+    mass_kg += scene.wall.bodies[i].mass_kg;
+    sum.centre_m += scene.wall.bodies[i].mass_kg * motions[i].position_m;
+    sum.velocity_mps += scene.wall.bodies[i].mass_kg * motions[i].velocity_mps;
+  }
+  sum.centre_m /= mass_kg;
+  sum.velocity_mps /= mass_kg;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (!moves(i)) continue;
+    sum.angular_nms +=
+        scene.wall.bodies[i].mass_kg * (motions[i].position_m - sum.centre_m)
+                                           .cross(motions[i].velocity_mps - sum.velocity_mps) +
+        motions[i].angular_momentum_kgm2ps;
+  }
+  return sum;
+}
+
+// Contacts keep the angular momentum to rounding. What falls lags x + h v+ by h^2 g / 2, what is
+// held does not, and nothing else lags: that alone, as a moment of momentum about the common
+// centre, is what a hit wall shows beside the impulses of the ground.
+TEST(Stepping, AngularMomentumChangesByTheLagOfWhatFallsAlone) {
+  Worst balance, lag;
+  double shown_nms = 0.0;
+  for (const double step_s : {1e-3, 1.0 / 240}) {
+    BrickScene scene = testing::hit_wall({0.2, 0.1, 0.1}, 2000.0, 4, 4, 0.001, 1.0, 20.0,
+                                         {0.5, 1.0, 0.4}, {0, 0, 0});
+    scene.law = {0.5, 0.0};
+    scene.step_s = step_s;
+    Dynamics dynamics = start(scene);
+    const Whole first = whole(scene, dynamics.motions());
+    Eigen::Vector3d ground_nms = Eigen::Vector3d::Zero();
+    Eigen::Vector3d lagging_nms = Eigen::Vector3d::Zero();
+    for (double time_s = 0.0; time_s < 0.25; time_s += step_s) {
+      const std::vector<Motion> before(dynamics.motions().begin(), dynamics.motions().end());
+      const Eigen::Vector3d centre_m = whole(scene, before).centre_m;
+      ASSERT_EQ(dynamics.step().parts, 1) << time_s << " s";
+      const Whole now = whole(scene, dynamics.motions());
+      for (const ContactPoint& point : dynamics.contacts()) {
+        if (point.body_a == 0) ground_nms += (point.position_m - centre_m).cross(point.impulse_ns);
+      }
+      for (std::size_t i = 1; i < before.size(); ++i) {
+        const Motion& motion = dynamics.motions()[i];
+        const Eigen::Vector3d lag_m =
+            motion.position_m - before[i].position_m - step_s * motion.velocity_mps;
+        const Eigen::Vector3d falling_m = -0.5 * step_s * step_s * scene.gravity_mps2;
+        lag.see(std::min(lag_m.norm(), (lag_m - falling_m).norm()), "brick " + std::to_string(i));
+        lagging_nms +=
+            scene.wall.bodies[i].mass_kg * lag_m.cross(motion.velocity_mps - now.velocity_mps);
+      }
+      const Eigen::Vector3d error_nms = now.angular_nms - first.angular_nms - ground_nms;
+      shown_nms = std::max(shown_nms, error_nms.norm());
+      balance.see((error_nms - lagging_nms).norm(), std::to_string(time_s) + " s");
+    }
+  }
+  EXPECT_GT(shown_nms, 0.01);
+  EXPECT_TRUE(
+      balance.within({"angular momentum (N m s)", 1e-12, 9.3e-14, "rounding of 100 N m s"}));
+  EXPECT_TRUE(lag.within({"lag (m)", 2e-15, 1.2e-16, "rounding of 4 m"}));
 }
 
 // Any parabola: at the time found the gap is closed, and nowhere before it.
