@@ -106,18 +106,9 @@ class Pool {
 
   Expected<SweepSummary> run() {
     look_through();
-    const SignalWatch signals;
-    while (!waiting_.empty() || !left_to_others_.empty() || !running_.empty()) {
-      if (auto ok = fill(); !ok) return tl::unexpected(ok.error());
-      wait(signals);
-      if (signals.stop_requested()) {
-        summary_.stopped = true;
-        break;
-      }
-      if (auto ok = collect(); !ok) return tl::unexpected(ok.error());
-      if (callbacks_.tick) callbacks_.tick(running_.size());
-    }
-    running_.clear();  // kills what still runs
+    const auto ended = work_through();
+    abandon_running();
+    if (!ended) return tl::unexpected(ended.error());
     return summary_;
   }
 
@@ -144,6 +135,33 @@ class Pool {
       }
     }
     if (callbacks_.begins) callbacks_.begins(summary_.cells, summary_.found);
+  }
+
+  // Until all is done, or somebody asks to stop.
+  Expected<void> work_through() {
+    const SignalWatch signals;
+    while (!waiting_.empty() || !left_to_others_.empty() || !running_.empty()) {
+      if (auto ok = fill(); !ok) return ok;
+      wait(signals);
+      if (signals.stop_requested()) {
+        summary_.stopped = true;
+        return {};
+      }
+      if (auto ok = collect(); !ok) return ok;
+      if (callbacks_.tick) callbacks_.tick(running_.size());
+    }
+    return {};
+  }
+
+  // Kills what still runs; one that was writing leaves its half behind.
+  void abandon_running() {
+    while (!running_.empty()) {
+      const std::size_t cell = running_.front().cell;
+      running_.pop_front();
+      const std::string& id = sweep_.cells[cell].cell;
+      remove_leftovers(result_path(sweep_.folder, id));
+      if (cells_[cell].recording) remove_leftovers(trajectory_path(sweep_.folder, id));
+    }
   }
 
   Expected<void> fill() {

@@ -13,8 +13,8 @@ chromium=$(command -v chromium || command -v chromium-browser || true)
   skip "the page's modules were not installed when the program was built"
 rm -rf "$out"
 mkdir -p "$out"
-# As long as names get: no file system takes this and a view and a kind in one name.
-long=$(printf 'a_wall_with_a_long_name_%.0s' 1 2 3 4 5 6 7 8 9 10)
+# As long as names get.
+long=$(printf 'a_wall_with_a_long_name_%.0s' 1 2 3 4 5 6 7 8 9 10 | cut -c1-100)
 cat >"$out/plan.toml" <<END
 title = "A small wall, recorded"
 [[experiment]]
