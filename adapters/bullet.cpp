@@ -129,9 +129,11 @@ State BulletSimulation::state_of(std::size_t i) const {
 }
 
 // What Bullet does without telling: states that are not finite, bodies switched off because their
-// bounding box overflowed, spins clamped to a quarter turn per step.
+// bounding box overflowed, spins clamped to a quarter turn per step, turns beyond an eighth that
+// come out smaller.
 Expected<void> BulletSimulation::inspect() {
   double clamped = 0.0;
+  double cut = 0.0;
   for (std::size_t i = 0; i < facts_.bodies.size(); ++i) {
     if (facts_.bodies[i].fixed) continue;
     const State state = state_of(i);
@@ -146,10 +148,11 @@ Expected<void> BulletSimulation::inspect() {
     }
     const double turn_rad = state.angular_velocity_radps.norm() * settings_.step_s;
     if (turn_rad >= k_max_turn_rad * (1.0 - 1e-12)) clamped += 1.0;
+    if (turn_rad > k_largest_way_rad) cut += 1.0;
   }
-  diagnostics_ = {{"spin_clamped_bodies", "1", clamped}};
+  diagnostics_ = {{"spin_clamped_bodies", "1", clamped}, {"turn_cut_bodies", "1", cut}};
   flags_ = {};
-  flags_.raise(Flag::clamped, clamped > 0.0);
+  flags_.raise(Flag::clamped, clamped + cut > 0.0);
   if (scene_->watched != nullptr) {
     diagnostics_.push_back(
         {"last_sweep_velocity_change_mps", "m/s", std::sqrt(scene_->watched->residual_m2ps2)});
@@ -264,6 +267,7 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
       "Coumans, Bullet 3.24: btRigidBody::predictIntegratedTransform, computeGyroscopicImpulse*, "
       "btSequentialImpulseConstraintSolver::setupContactConstraint";
   scheme.gyroscopic = gyroscopic[flag];
+  scheme.turn_limit_rad = k_largest_way_rad;
   const double margin_m = value("contact_processing_threshold_m");
   // A larger threshold is cut by the breaking threshold of the shapes at hand
   // (btCollisionShape::getContactBreakingThreshold), up to which planes look
@@ -272,6 +276,7 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
       margin_m > 1e-6 ? gContactBreakingThreshold : std::numeric_limits<double>::infinity();
   scheme.impulse = {.margin_m = margin_m,
                     .plane_reach_share = reach_share,
+                    .most_corners = MANIFOLD_CACHE_SIZE,
                     .approach_allowed = true,
                     .restitution_threshold_mps = value("restitution_threshold_mps"),
                     .sum_of_targets = true,

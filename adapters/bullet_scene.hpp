@@ -23,6 +23,8 @@ static_assert(sizeof(btScalar) == 8, "the adapter wants Bullet in double precisi
 
 inline constexpr double k_max_turn_rad =
     SIMD_HALF_PI;  // per step; btRigidBody::integrateVelocities clamps
+// btTransformUtil::ANGULAR_MOTION_THRESHOLD, a macro of the source: larger turns come out smaller.
+inline constexpr double k_largest_way_rad = 0.5 * SIMD_HALF_PI;
 
 inline constexpr std::array k_knobs = {
     KnobRow{"iterations", "1", 10, 50, 1, 1e6, true, "sweeps of the contact solver"},

@@ -368,6 +368,8 @@ std::optional<Scheme> mujoco_scheme(const Settings& settings) {
   scheme.attitude = AttitudeRule::exponential;
   scheme.compliant = CompliantContact{.time_constant_s = contact.time_constant_s,
                                       .damping_ratio = contact.damping_ratio,
+                                      .least_impedance = mjMINIMP,
+                                      .most_impedance = mjMAXIMP,
                                       // mjc_BoxBox, face contacts: the distance is halved with
                                       // the point that it belongs to, before it is stored
                                       .box_gap_share = 0.5};

@@ -12,7 +12,9 @@
 #include <map>
 
 #include "adapters/ourengine_variants.hpp"
+#include "ourengine/baraff/face_contact.hpp"
 #include "ourengine/baraff/simulator.hpp"
+#include "ourengine/integration/rotation.hpp"
 #include "ourengine/version.hpp"
 
 namespace brickbench {
@@ -137,9 +139,11 @@ Scheme baraff_scheme(const Settings& settings) {
   scheme.position = forward_euler ? PositionRule::old_velocity : PositionRule::middle_momentum;
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = forward_euler ? AttitudeRule::normalised_euler : AttitudeRule::moser_veselov;
+  if (!forward_euler) scheme.cut_turn_rad = ourengine::k_largest_turn_rad;
   if (value("max_bisections") > 0.0) return scheme;
   scheme.sequential =
       SequentialContact{.margin_m = value("contact_tolerance_m"),
+                        .border_share = ourengine::baraff::k_border_share,
                         .collision_velocity_mps = value("collision_velocity_mps"),
                         .most_sweeps = static_cast<int>(value("max_collision_sweeps")),
                         .velocity_share = value("velocity_share"),
@@ -163,6 +167,7 @@ std::optional<Scheme> velocity_scheme(const Settings& settings) {
   scheme.position = PositionRule::mean_unless_pushed;
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = integrator == 0.0 ? AttitudeRule::exponential : AttitudeRule::moser_veselov;
+  scheme.cut_turn_rad = ourengine::k_largest_turn_rad;
   scheme.impulse = ImpulseContact{.margin_m = std::numeric_limits<double>::infinity(),
                                   .approach_allowed = true,
                                   .bounces_before_touch = true,
@@ -179,6 +184,7 @@ Scheme fast_scheme(const Settings& settings) {
   scheme.position = PositionRule::mean_velocity;  // of bodies that nothing touches
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::moser_veselov;
+  scheme.cut_turn_rad = ourengine::k_largest_turn_rad;
   scheme.soft = fast_contact(settings);
   return scheme;
 }

@@ -7,6 +7,7 @@
 
 #include "adapters/ourengine_variants.hpp"
 #include "adapters/seam/shape.hpp"
+#include "ourengine/collision/manifold.hpp"
 #include "ourengine/dynamics/dynamics.hpp"
 #include "ourengine/fast/fast_dynamics.hpp"
 
@@ -341,6 +342,10 @@ SoftContact fast_contact(const Settings& settings) {
           .resting_approach_mps = options.resting_approach_mps,
           .keep_share = engine::ManifoldSet::k_recycle_share,
           .same_point_share = engine::ManifoldSet::k_same_point,
+          .same_normal = engine::ManifoldSet::k_same_normal,
+          .boxes = {.axis_bias = engine::k_axis_bias,
+                    .parallel = engine::k_parallel_edges,
+                    .border_share = engine::k_clip_slack},
           .too_deep_share = FastLimits::k_look_tolerance,
           .most_trials = FastLimits::k_trials,
           .most_sweeps = FastLimits::k_sweeps,

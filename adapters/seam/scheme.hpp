@@ -3,6 +3,7 @@
 // the last digits. Nothing in here is measured.
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <string>
@@ -35,8 +36,16 @@ enum class AttitudeRule {
   exponential,       // q+ = exp(h w+) q
   normalised_euler,  // q+ = q + h/2 (0, w+) q, scaled to length 1
   // Discrete Moser-Veselov with the moments of Hairer and Vilmart (J. Phys. A 39, 2006, order
-  // four), turned by the spatial momentum L+; steps beyond 0.02 rad are cut into equal parts.
+  // four), turned by the spatial momentum L+; larger steps than Scheme::cut_turn_rad are cut into
+  // equal parts.
   moser_veselov,
+};
+
+// How separating axes and clipped faces find where two boxes touch.
+struct BoxPlaces {
+  double axis_bias = 0.0;     // of the thinnest edge: by so much a later axis must exceed the first
+  double parallel = 0.0;      // |a x b|^2 of edges whose cross product is no axis
+  double border_share = 0.0;  // of the thinnest edge: what is less far outside a face is inside
 };
 
 // Contact as an impulse on the velocity: for a normal gap g_n and normal velocity v (positive when
@@ -46,6 +55,8 @@ struct ImpulseContact {
   // Where collision detection looks less far than that: between a plane and a body up to this share
   // of half the diagonal of the body's bounding box, one corner at a time; else at touch alone.
   double plane_reach_share = std::numeric_limits<double>::infinity();
+  // Of a box, of which a plane keeps so many in mind.
+  std::size_t most_corners = std::numeric_limits<std::size_t>::max();
   bool approach_allowed = false;  // an open gap lowers the target by gap / h
   // A gap that closes within the step bounces already, at the larger of rebound and approach.
   // Bodies that no fixed one holds fly freely to their first bounce: contacts act from there on.
@@ -76,6 +87,8 @@ struct CompliantContact {
   double impedance_width_m = 0.001;
   double impedance_midpoint = 0.5;
   double impedance_power = 2.0;
+  double least_impedance = 0.0;  // start and end are clamped to these
+  double most_impedance = 1.0;
   double box_gap_share = 1.0;  // the gap between two boxes counts this much
 };
 
@@ -103,6 +116,8 @@ struct SoftContact {
   // share of the thinner one; then it is found anew, with its old impulse if the point is the same.
   double keep_share = 0.0;
   double same_point_share = 0.0;  // of the thinner body
+  double same_normal = -1.0;      // cosine between the normals of a manifold that goes on
+  BoxPlaces boxes;
   // A step is done again with twice the sweeps per sub-step where known contacts end deeper than
   // they were by more than this share of the margin; so often at most, with so many at most.
   double too_deep_share = 0.0;
@@ -125,6 +140,7 @@ struct SoftContact {
 // the level of accelerations. Frictionless. D. Baraff, Rigid Body Simulation II, sections 7 to 9.
 struct SequentialContact {
   double margin_m = 0.0;                // a contact exists where gap <= margin
+  double border_share = 0.0;            // of the thinnest half extent: closer to a border is on it
   double collision_velocity_mps = 0.0;  // a slower approach is resting contact
   int most_sweeps = 0;
   double velocity_share = 0.0;  // of a resting contact's normal velocity, undone within the step
@@ -150,6 +166,9 @@ struct Scheme {
   PositionRule position = PositionRule::new_velocity;
   GyroscopicRule gyroscopic = GyroscopicRule::neglected;
   AttitudeRule attitude = AttitudeRule::exponential;
+  double cut_turn_rad = std::numeric_limits<double>::infinity();  // for AttitudeRule::moser_veselov
+  // A turn t beyond this limit comes out as 2 atan(t / limit tan(limit / 2)).
+  double turn_limit_rad = std::numeric_limits<double>::infinity();
   double order = 1.0;  // promised order of convergence of smooth motion
   // At most one of the four; none: the engine's contact has no map that is predicted here.
   std::optional<ImpulseContact> impulse;

@@ -12,11 +12,6 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double k_axis_bias = 1e-3;
-constexpr double k_border = 1e-6;
-// |a x b|^2 of edges that count as parallel.
-constexpr double k_parallel = 1e-6;
-
 struct Box {
   Vector3d half_m;
   const State& state;
@@ -68,12 +63,13 @@ std::vector<Vector3d> clipped(const std::vector<Vector3d>& corners, Index axis, 
 }
 
 // Places (world) on the most opposed face of `other` over the face of `box`, with their heights.
-std::vector<BoxPoint> over_face(const Box& box, const Face& face, const Box& other) {
+std::vector<BoxPoint> over_face(const BoxPlaces& rule, const Box& box, const Face& face,
+                                const Box& other) {
   const Vector3d outward = box.state.orientation * Vector3d(face.side * Vector3d::Unit(face.axis));
   const Vector3d towards = other.state.orientation.conjugate() * -outward;
   Index opposed = 0;
   towards.cwiseAbs().maxCoeff(&opposed);
-  const double slack_m = k_border * thinnest_m(box, other);
+  const double slack_m = rule.border_share * thinnest_m(box, other);
   const Index u = (face.axis + 1) % 3, v = (face.axis + 2) % 3;
   std::vector<BoxPoint> corners;
   std::vector<Vector3d> local;
@@ -137,10 +133,10 @@ const BoxShape* box_of(const Shape& shape) {
       [](const PlaneShape&) -> Found { return nullptr; });
 }
 
-BoxPoints box_points(const Vector3d& half_a_m, const State& at_a, const Vector3d& half_b_m,
-                     const State& at_b) {
+BoxPoints box_points(const BoxPlaces& rule, const Vector3d& half_a_m, const State& at_a,
+                     const Vector3d& half_b_m, const State& at_b) {
   const Box a{half_a_m, at_a}, b{half_b_m, at_b};
-  const double bias_m = k_axis_bias * thinnest_m(a, b);
+  const double bias_m = rule.axis_bias * thinnest_m(a, b);
   const Face of_a = best_face(a, b), of_b = best_face(b, a);
   const bool on_b = of_b.gap_m > of_a.gap_m + bias_m;
   BoxPoints result;
@@ -150,7 +146,7 @@ BoxPoints box_points(const Vector3d& half_a_m, const State& at_a, const Vector3d
   for (Index i = 0; i < 3; ++i) {
     for (Index j = 0; j < 3; ++j) {
       const Vector3d across = a.axes.col(i).cross(b.axes.col(j));
-      if (across.squaredNorm() < k_parallel) continue;
+      if (across.squaredNorm() < rule.parallel) continue;
       const double gap_m = gap_along(across.normalized(), a, b);
       if (gap_m <= to_beat_m) continue;
       result.gap_m = to_beat_m = gap_m;
@@ -165,11 +161,11 @@ BoxPoints box_points(const Vector3d& half_a_m, const State& at_a, const Vector3d
     result.points = {{middle + 0.5 * result.gap_m * result.normal, result.gap_m}};
   } else if (on_b) {
     result.normal = at_b.orientation * Vector3d(-of_b.side * Vector3d::Unit(of_b.axis));
-    result.points = over_face(b, of_b, a);
+    result.points = over_face(rule, b, of_b, a);
     for (BoxPoint& point : result.points) point.on_b_m += point.gap_m * result.normal;
   } else {
     result.normal = at_a.orientation * Vector3d(of_a.side * Vector3d::Unit(of_a.axis));
-    result.points = over_face(a, of_a, b);
+    result.points = over_face(rule, a, of_a, b);
   }
   return result;
 }

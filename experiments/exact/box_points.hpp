@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "adapters/seam/scheme.hpp"
 #include "adapters/seam/shape.hpp"
 
 namespace brickbench::exact {
@@ -22,13 +23,13 @@ struct BoxPoints {
   std::vector<BoxPoint> points;                             // whatever their gap
 };
 
-// The axis is that of the largest gap among the faces of a; a face of b must exceed it by 1e-3 of
-// the thinnest edge, and so must the cross product of two edges. Then the corners of the most
-// opposed face of the other box, from (+, +) of its next two axes around, cut at the borders (+u,
-// -u, +v, -v) of the first one's face, where 1e-6 of the thinnest edge outside is still inside; or
-// the point midway between the two edges. Sources: S. Gottschalk, M. Lin, D. Manocha, OBBTree,
-// SIGGRAPH 1996, section 5; I. Sutherland, G. Hodgman, Reentrant polygon clipping, CACM 17, 1974.
-BoxPoints box_points(const Eigen::Vector3d& half_a_m, const State& at_a,
+// The axis is that of the largest gap among the faces of a; a face of b must exceed it by the bias
+// of the rule, and so must the cross product of two edges. Then the corners of the most opposed
+// face of the other box, from (+, +) of its next two axes around, cut at the borders (+u, -u, +v,
+// -v) of the first one's face; or the point midway between the two edges. Sources: S. Gottschalk,
+// M. Lin, D. Manocha, OBBTree, SIGGRAPH 1996, section 5; I. Sutherland, G. Hodgman, Reentrant
+// polygon clipping, CACM 17, 1974.
+BoxPoints box_points(const BoxPlaces& rule, const Eigen::Vector3d& half_a_m, const State& at_a,
                      const Eigen::Vector3d& half_b_m, const State& at_b);
 
 }  // namespace brickbench::exact

@@ -16,15 +16,9 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double k_minimum_impedance = 1e-4;  // MuJoCo: mjMINIMP and mjMAXIMP
-constexpr double k_maximum_impedance = 0.9999;
-
-double clamped(double impedance) {
-  return std::clamp(impedance, k_minimum_impedance, k_maximum_impedance);
-}
-
 double impedance(const CompliantContact& c, double gap_m) {
-  const double start = clamped(c.impedance_start), end = clamped(c.impedance_end);
+  const double start = std::clamp(c.impedance_start, c.least_impedance, c.most_impedance);
+  const double end = std::clamp(c.impedance_end, c.least_impedance, c.most_impedance);
   if (start == end || c.impedance_width_m <= 0.0) return 0.5 * (start + end);
   const double x = std::abs(gap_m) / c.impedance_width_m;
   if (x >= 1.0) return end;

@@ -94,18 +94,17 @@ void push_momentum(const Vector3d& inertia, const Vector3d& change_nms, State& s
 
 void turn_with_momentum(const Scheme& scheme, const Vector3d& inertia, const Vector3d& old_spin,
                         double h, State& state) {
-  constexpr double k_largest_turn_rad = 0.02;
   const Quaterniond q = state.orientation;
   const Vector3d spin = state.angular_velocity_radps;
   const Vector3d momentum = q * inertia.cwiseProduct(q.conjugate() * spin);
   if (scheme.attitude == AttitudeRule::moser_veselov) {
-    const double parts = std::max(1.0, std::ceil(h * spin.norm() / k_largest_turn_rad));
+    const double parts = std::max(1.0, std::ceil(h * spin.norm() / scheme.cut_turn_rad));
     for (int part = 0; part < static_cast<int>(parts); ++part) {
       state.orientation = moser_veselov(state.orientation, inertia, momentum, h / parts);
     }
   } else {
     const bool old = scheme.position == PositionRule::old_velocity;
-    state.orientation = next_attitude(scheme.attitude, q, old ? old_spin : spin, h);
+    state.orientation = next_attitude(scheme, q, old ? old_spin : spin, h);
   }
   state.angular_velocity_radps = spin_of(state.orientation, inertia, momentum);
 }
@@ -158,14 +157,23 @@ Vector3d next_spin_radps(GyroscopicRule rule, const Vector3d& inertia_kgm2,
   return w;
 }
 
-Quaterniond next_attitude(AttitudeRule rule, const Quaterniond& orientation,
-                          const Vector3d& angular_velocity_radps, double step_s) {
-  if (rule == AttitudeRule::exponential) {
-    return (rotation_of(step_s * angular_velocity_radps) * orientation).normalized();
-  }
-  const Vector3d half = 0.5 * step_s * angular_velocity_radps;
+Quaterniond turned_to_first_order(const Quaterniond& orientation, const Vector3d& turn_rad) {
+  const Vector3d half = 0.5 * turn_rad;
   const Quaterniond turn = Quaterniond(0.0, half.x(), half.y(), half.z()) * orientation;
   return Quaterniond(orientation.coeffs() + turn.coeffs()).normalized();
+}
+
+Quaterniond next_attitude(const Scheme& scheme, const Quaterniond& orientation,
+                          const Vector3d& angular_velocity_radps, double step_s) {
+  Vector3d turn_rad = step_s * angular_velocity_radps;
+  const double share = turn_rad.norm() / scheme.turn_limit_rad;
+  if (share > 1.0) {
+    turn_rad *= 2.0 * std::atan(share * std::tan(0.5 * scheme.turn_limit_rad)) / turn_rad.norm();
+  }
+  if (scheme.attitude == AttitudeRule::exponential) {
+    return (rotation_of(turn_rad) * orientation).normalized();
+  }
+  return turned_to_first_order(orientation, turn_rad);
 }
 
 State next_free_state(const Scheme& scheme, const Body& body, const State& state,
@@ -188,7 +196,7 @@ State next_free_state(const Scheme& scheme, const Body& body, const State& state
   next.angular_velocity_radps = state.orientation * spin;
   const bool old = scheme.position == PositionRule::old_velocity;
   next.orientation =
-      next_attitude(scheme.attitude, state.orientation,
+      next_attitude(scheme, state.orientation,
                     old ? state.angular_velocity_radps : next.angular_velocity_radps, step_s);
   return next;
 }

@@ -230,8 +230,6 @@ struct SeenCorner {
   Vector3d on_plane_m = Vector3d::Zero();  // below it, when it was seen last
 };
 
-constexpr std::size_t k_most_corners = 4;
-
 // One step of what the plane of `contact` sees and forgets; false if it sees too many.
 bool look_from_plane(const ImpulseContact& law, const World& world, const PointContact& contact,
                      std::span<const State> states, std::vector<SeenCorner>& seen) {
@@ -265,7 +263,7 @@ bool look_from_plane(const ImpulseContact& law, const World& world, const PointC
   std::erase_if(seen, [&](const SeenCorner& s) {
     return same(s) && (gap_m(s) > reach_m || (below_m(s) - s.on_plane_m).norm() > reach_m);
   });
-  return static_cast<std::size_t>(std::ranges::count_if(seen, same)) <= k_most_corners;
+  return static_cast<std::size_t>(std::ranges::count_if(seen, same)) <= law.most_corners;
 }
 
 struct Advance {
@@ -330,8 +328,8 @@ Advance advance_from(const Scheme& scheme, const ExactRun& run, std::span<const 
       turn_with_momentum(scheme, run.world.bodies[i].inertia_kgm2, before[i].angular_velocity_radps,
                          h, states[i]);
     } else {
-      states[i].orientation = next_attitude(scheme.attitude, before[i].orientation,
-                                            states[i].angular_velocity_radps, h);
+      states[i].orientation =
+          next_attitude(scheme, before[i].orientation, states[i].angular_velocity_radps, h);
     }
   }
   for (const Row& row : rows) shift_split(scheme, run.world, row, states);

@@ -24,8 +24,14 @@ Eigen::Vector3d next_spin_radps(GyroscopicRule rule, const Eigen::Vector3d& iner
 // The turn by a rotation vector (rad).
 Eigen::Quaterniond rotation_of(const Eigen::Vector3d& angle_rad);
 
-// q+ of a body-to-world orientation under a world angular velocity held for h.
-Eigen::Quaterniond next_attitude(AttitudeRule rule, const Eigen::Quaterniond& orientation,
+// q + (0, turn) q / 2, scaled to length 1: a body-to-world orientation turned by a rotation vector
+// (rad, world frame) to first order.
+Eigen::Quaterniond turned_to_first_order(const Eigen::Quaterniond& orientation,
+                                         const Eigen::Vector3d& turn_rad);
+
+// q+ of a body-to-world orientation under a world angular velocity held for h, by a rule of
+// attitude other than Moser-Veselov's.
+Eigen::Quaterniond next_attitude(const Scheme& scheme, const Eigen::Quaterniond& orientation,
                                  const Eigen::Vector3d& angular_velocity_radps, double step_s);
 
 // For GyroscopicRule::spatial_momentum: changes the spin so that the angular momentum about the

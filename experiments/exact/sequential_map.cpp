@@ -19,8 +19,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double k_border = 1e-6;  // of the thinnest half extent: closer to a border is on it
-
 void add_on_plane(const ExactRun& run, const PointContact& contact, std::span<const State> states,
                   std::vector<TouchingPoint>& points) {
   const State& plane = states[contact.body_a];
@@ -36,15 +34,15 @@ void add_on_plane(const ExactRun& run, const PointContact& contact, std::span<co
   }
 }
 
-void add_on_face(const ExactRun& run, const PointContact& contact, std::span<const State> states,
-                 std::vector<TouchingPoint>& points) {
+void add_on_face(const ExactRun& run, double border_share, const PointContact& contact,
+                 std::span<const State> states, std::vector<TouchingPoint>& points) {
   const State& a = states[contact.body_a];
   const State& b = states[contact.body_b];
   const Vector3d& half_a =
       std::get<BoxShape>(run.world.bodies[contact.body_a].shape).half_extents_m;
   const Vector3d& half_b =
       std::get<BoxShape>(run.world.bodies[contact.body_b].shape).half_extents_m;
-  const double border_m = k_border * std::min(half_a.minCoeff(), half_b.minCoeff());
+  const double border_m = border_share * std::min(half_a.minCoeff(), half_b.minCoeff());
   const Vector3d up = a.orientation.conjugate() * contact.normal;
   Index face = 0;
   up.cwiseAbs().maxCoeff(&face);
@@ -310,8 +308,7 @@ bool undo_overlaps(const SequentialContact& law, const ExactRun& run,
     State& s = states[i];
     const Vector3d momentum = spin_momentum_nms(body, s);
     s.position_m += moves[i].velocity_mps;
-    s.orientation = next_attitude(AttitudeRule::normalised_euler, s.orientation,
-                                  moves[i].angular_velocity_radps, 1.0);
+    s.orientation = turned_to_first_order(s.orientation, moves[i].angular_velocity_radps);
     s.angular_velocity_radps =
         s.orientation * (s.orientation.conjugate() * momentum).cwiseQuotient(body.inertia_kgm2);
   }
@@ -321,7 +318,7 @@ bool undo_overlaps(const SequentialContact& law, const ExactRun& run,
 }  // namespace
 
 std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const State> states,
-                                           double margin_m) {
+                                           double margin_m, double border_share) {
   std::vector<PointContact> contacts;
   run.geometry(states, contacts);
   std::ranges::stable_sort(contacts, {}, [](const PointContact& c) {
@@ -332,7 +329,7 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
     const Shape& a = run.world.bodies[contact.body_a].shape;
     if (box_of(run.world.bodies[contact.body_b].shape) != nullptr) {
       by_shape(
-          a, [&](const BoxShape&) { add_on_face(run, contact, states, points); },
+          a, [&](const BoxShape&) { add_on_face(run, border_share, contact, states, points); },
           [](const SphereShape&) { assert(!"of a box and a ball, the ball stands second"); },
           [&](const PlaneShape&) { add_on_plane(run, contact, states, points); });
       continue;
@@ -355,7 +352,8 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
 bool advance_sequential(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                         std::span<State> states, std::string& why) {
   const SequentialContact& law = *scheme.sequential;
-  const std::vector<TouchingPoint> points = touching_points(run, states, law.margin_m);
+  const std::vector<TouchingPoint> points =
+      touching_points(run, states, law.margin_m, law.border_share);
   const VectorXd met_mps = velocities(run, points, states);
   if (!hit_one_by_one(law, run, points, states, why)) return false;
   std::vector<Wrench> forces(wrenches.begin(), wrenches.end());

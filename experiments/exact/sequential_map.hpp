@@ -25,10 +25,11 @@ struct TouchingPoint {
 
 // The points with a gap of at most margin_m. Pairs in the order of the bodies; a box on a plane:
 // all corners, x fastest, negative first; on a face of another box: the four corners of its most
-// opposed face, counterclockwise in the plane of the next two axes, from (+, +). Source:
+// opposed face, counterclockwise in the plane of the next two axes, from (+, +); closer to the
+// border of the other face than border_share of the thinnest half extent is on it. Source:
 // ourengine/baraff/collision.hpp.
 std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const State> states,
-                                           double margin_m);
+                                           double margin_m, double border_share);
 
 // Advances all states (bodies) by one step; false, with a reason, where the scheme leaves it open.
 // Source: D. Baraff, Rigid Body Simulation II, sections 7 to 9 and appendix D.

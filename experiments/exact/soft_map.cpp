@@ -277,7 +277,7 @@ bool SoftMap::overlooks(std::span<const State> ends) const {
       }
     }
     const BoxPoints end =
-        box_points(box(a)->half_extents_m, ends[a], box(b)->half_extents_m, ends[b]);
+        box_points(soft_.boxes, box(a)->half_extents_m, ends[a], box(b)->half_extents_m, ends[b]);
     if (end.gap_m > -tolerance_m) continue;
     for (const BoxPoint& point : end.points) {
       if (seen_m - point.gap_m > tolerance_m) return true;

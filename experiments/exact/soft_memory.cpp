@@ -13,8 +13,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
-// Cosine between the normals of a manifold that goes on.
-constexpr double k_same_normal = 0.9;
 
 // The deepest, the one furthest from it, and those that span most area with the two on either side.
 std::vector<TouchingPoint> four_of(const std::vector<TouchingPoint>& points) {
@@ -134,7 +132,8 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
   const BoxShape* box_b = box_of(run_.world.bodies[memory.body_b].shape);
   std::vector<TouchingPoint> near(points.begin(), points.end());
   if (box_a != nullptr && box_b != nullptr) {
-    const BoxPoints boxes = box_points(box_a->half_extents_m, a, box_b->half_extents_m, b);
+    const BoxPoints boxes =
+        box_points(soft_.boxes, box_a->half_extents_m, a, box_b->half_extents_m, b);
     if (boxes.gap_m > memory.found_within_m) return memory;
     near.clear();
     for (const BoxPoint& point : boxes.points) {
@@ -156,7 +155,7 @@ SoftMap::Memory SoftMap::found(Points points, double reach_m, std::span<const St
 
 // Each point takes the impulse of the nearest old point that is near enough to be the same.
 void SoftMap::inherit(const Memory& old, Memory& next) const {
-  if (old.normal_in_a.dot(next.normal_in_a) < k_same_normal) return;
+  if (old.normal_in_a.dot(next.normal_in_a) < soft_.same_normal) return;
   const double thin_m = thinner_m(next.body_a, next.body_b);
   std::array<bool, k_points> taken{};
   for (std::size_t p = 0; p < next.count; ++p) {
@@ -183,7 +182,8 @@ bool SoftMap::remember(std::span<const Wrench> wrenches, std::span<const State> 
     why = "a box on a ball, or a plane made last, is not listed";
     return false;
   }
-  const std::vector<TouchingPoint> points = touching_points(run_, states, k_infinity);
+  const std::vector<TouchingPoint> points =
+      touching_points(run_, states, k_infinity, soft_.boxes.border_share);
   std::vector<Memory> next;
   for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
     const std::size_t body_a = points[begin].body_a, body_b = points[begin].body_b;

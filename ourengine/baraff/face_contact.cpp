@@ -7,7 +7,6 @@
 namespace ourengine::baraff {
 namespace {
 
-constexpr double k_slack = 1e-6;     // of the thinnest half extent: corners this close are one
 constexpr double k_parallel = 1e-3;  // sine of the angle between two sides that do not cross
 constexpr double k_same_side = 0.5;  // least cosine between an edge-edge normal and the face's
 
@@ -140,8 +139,8 @@ void add_face_contacts(std::span<const RigidBody> bodies, std::size_t reference,
   const Face own = face_of(owner, face, sign);
   const Face other = opposed_face(bodies[incident], outward);
   const double slack_m =
-      k_slack * std::min(std::get<Box>(owner.solid).half_m.minCoeff(),
-                         std::get<Box>(bodies[incident].solid).half_m.minCoeff());
+      k_border_share * std::min(std::get<Box>(owner.solid).half_m.minCoeff(),
+                                std::get<Box>(bodies[incident].solid).half_m.minCoeff());
   Patch patch(collisions, tolerance_m, slack_m);
   add_corners(incident, other, reference, own, outward, slack_m, patch);
   add_corners(reference, own, incident, other, outward, slack_m, patch);

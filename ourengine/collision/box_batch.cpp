@@ -15,10 +15,6 @@ using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 constexpr std::size_t k_pairs = hn::MaxLanes(D());
 
-// As in box_box.cpp.
-constexpr double k_axis_bias = 1e-3;
-constexpr double k_parallel_edges = 1e-6;
-
 struct BoxVector {
   V x, y, z;
   HWY_INLINE V operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }

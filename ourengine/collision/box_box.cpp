@@ -8,15 +8,6 @@
 namespace ourengine {
 namespace {
 
-// Of the thinnest edge of the two boxes: how much an edge axis must win by, and how much a face of
-// b must win over a face of a, so that rounding never changes the kind of a resting contact.
-constexpr double k_axis_bias = 1e-3;
-// |a x b|^2 below this: the edges are parallel and their cross product is no axis.
-constexpr double k_parallel_edges = 1e-6;
-// Of the thinnest edge: a corner this far outside a clipping plane still counts as inside, so that
-// flush bricks keep their own corners.
-constexpr double k_clip_slack = 1e-6;
-
 double thinnest_m(const PosedBox& a, const PosedBox& b) {
   return 2.0 * std::min(a.half_m.minCoeff(), b.half_m.minCoeff());
 }

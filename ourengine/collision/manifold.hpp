@@ -14,6 +14,15 @@
 
 namespace ourengine {
 
+// Of the thinnest edge of the two boxes: how much an edge axis must win by, and how much a face of
+// b must win over a face of a, so that rounding never changes the kind of a resting contact.
+inline constexpr double k_axis_bias = 1e-3;
+// |a x b|^2 below this: the edges are parallel and their cross product is no axis.
+inline constexpr double k_parallel_edges = 1e-6;
+// Of the thinnest edge: a corner this far outside a clipping plane still counts as inside, so that
+// flush bricks keep their own corners.
+inline constexpr double k_clip_slack = 1e-6;
+
 // A box in the world: half extents along its axes, centre, axes as columns of a rotation matrix.
 struct PosedBox {
   Eigen::Vector3d half_m;
@@ -51,7 +60,7 @@ struct Manifold {
 // Each function returns the points with gap <= margin_m; count == 0 where there are none.
 
 // Separating axes (15), then the incident face clipped against the reference face, or one point
-// between the two closest edges. An edge axis must win by a bias of 1e-3 of the thinnest edge:
+// between the two closest edges. An edge axis must win by k_axis_bias of the thinnest edge:
 // between stacked bricks its normal is practically the face normal, and a manifold of one point
 // instead of four would make the stack rock.
 // Source: S. Gottschalk, M. Lin, D. Manocha, OBBTree, SIGGRAPH 1996, section 5 (axes);

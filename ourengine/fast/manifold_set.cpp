@@ -10,8 +10,6 @@
 namespace ourengine {
 namespace {
 
-// Cosine between normals of the same manifold.
-constexpr double k_same_normal = 0.9;
 constexpr std::size_t k_pairs_per_piece = 32;
 constexpr std::size_t k_bodies_per_piece = 256;
 

@@ -68,6 +68,8 @@ class ManifoldSet {
   static constexpr double k_recycle_share = 1e-3;
   // Of the thinner body: a point that moved less than this over its body is the same point.
   static constexpr double k_same_point = 0.1;
+  // Cosine between normals of the same manifold.
+  static constexpr double k_same_normal = 0.9;
 
   ManifoldSet(std::span<const BodyModel> bodies, double margin_m);
 

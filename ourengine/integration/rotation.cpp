@@ -7,9 +7,6 @@
 namespace ourengine {
 namespace {
 
-// Largest turn (rad) of one discrete Moser-Veselov step: well inside the convergence of Newton's
-// method, and small enough that order four means an error near 1e-9 rad per turn.
-constexpr double k_largest_turn_rad = 0.02;
 // A step that turns further than so many of these is beyond any use of its phase: first order then.
 constexpr double k_most_parts = 1e5;
 // Newton stops when the last correction is below this; the next would be below rounding.

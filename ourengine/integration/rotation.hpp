@@ -23,6 +23,10 @@ Eigen::Vector3d angular_velocity_radps(const Eigen::Quaterniond& q,
                                        const Eigen::Vector3d& inertia_kgm2,
                                        const Eigen::Vector3d& momentum_kgm2ps);
 
+// Largest turn (rad) of one discrete Moser-Veselov step: well inside the convergence of Newton's
+// method, and small enough that order four means an error near 1e-9 rad per turn.
+inline constexpr double k_largest_turn_rad = 0.02;
+
 // q * exp: turned by the rotation vector (rad, world frame).
 Eigen::Quaterniond turned(const Eigen::Quaterniond& q, const Eigen::Vector3d& rotation_rad);
 
@@ -40,11 +44,11 @@ Eigen::Quaterniond rotate_cf4(const Eigen::Quaterniond& q, const Eigen::Vector3d
 //   e0 I e + e x I e = h/2 m,   m = R^T L,
 // which keeps energy and momentum to rounding. I is replaced by moments that depend on the two
 // constants of the motion, so that the phase is of order four as well. The equation is solved by
-// Newton's method; a step that turns by more than 0.02 rad is split, one by more than 2000 rad (or
-// by no number) is semi-implicit. Sources: J. Moser, A. Veselov, Discrete versions of some
-// classical integrable systems, Comm. Math. Phys. 139 (1991); E. Hairer, G. Vilmart, Preprocessed
-// discrete Moser-Veselov algorithm for the full dynamics of a rigid body, J. Phys. A 39 (2006),
-// order four.
+// Newton's method; a step that turns by more than k_largest_turn_rad is split, one by more than
+// 2000 rad (or by no number) is semi-implicit. Sources: J. Moser, A. Veselov, Discrete versions of
+// some classical integrable systems, Comm. Math. Phys. 139 (1991); E. Hairer, G. Vilmart,
+// Preprocessed discrete Moser-Veselov algorithm for the full dynamics of a rigid body, J. Phys. A
+// 39 (2006), order four.
 Eigen::Quaterniond rotate_moser_veselov(const Eigen::Quaterniond& q,
                                         const Eigen::Vector3d& inertia_kgm2,
                                         const Eigen::Vector3d& momentum_kgm2ps, double step_s);

@@ -120,6 +120,10 @@ TEST(SchemeMap, NormalisedEulerTurnsByTwiceTheArcTangent) {
   worst.see(discrete("rotation.uniform_spin", s)[0] - 2000.0 * per_step, "normalised Euler");
   s.attitude = AttitudeRule::exponential;
   worst.see(discrete("rotation.uniform_spin", s)[0] - 10.0, "exponential");
+  s.turn_limit_rad = 0.004;  // of 0.005 rad per step
+  worst.see(
+      discrete("rotation.uniform_spin", s)[0] - 2000.0 * 2.0 * std::atan(1.25 * std::tan(0.002)),
+      "beyond the limit");
   // Sum of the spins after each step.
   const double inertia =
       build(testing::find_case("rotation.spin_up")).value().world.bodies[0].inertia_kgm2.x();

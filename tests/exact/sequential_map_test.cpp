@@ -32,6 +32,7 @@ Scheme sequential_scheme(double share) {
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::normalised_euler;
   scheme.sequential = SequentialContact{.margin_m = 1e-6,
+                                        .border_share = 1e-6,
                                         .collision_velocity_mps = 1e-3,
                                         .most_sweeps = 20000,
                                         .velocity_share = share,
@@ -98,7 +99,7 @@ TEST(SequentialMap, ListsTheCornersOfABoxInTheStatedOrder) {
   const ExactRun plane = box_on(ground_plane(), half, 0.0);
   const auto signs = [&](const ExactRun& run) {
     std::string text;
-    for (const TouchingPoint& p : touching_points(run, start_of(run), 1e-6)) {
+    for (const TouchingPoint& p : touching_points(run, start_of(run), 1e-6, 1e-6)) {
       text += p.position_m.x() > 0.0 ? '+' : '-';
       text += p.position_m.y() > 0.0 ? "+ " : "- ";
     }
@@ -120,7 +121,7 @@ TEST(SequentialMap, HitsLeaveNoApproachAndCreateNoEnergy) {
     std::vector<State> states = start_of(run);
     states[1].velocity_mps = Vector3d(any(random), any(random), -1.5 + any(random));
     states[1].angular_velocity_radps = 3.0 * Vector3d(any(random), any(random), any(random));
-    const std::vector<TouchingPoint> touching = touching_points(run, states, 1e-6);
+    const std::vector<TouchingPoint> touching = touching_points(run, states, 1e-6, 1e-6);
     const std::vector<State> before = states;
     // A step so short that nothing moves: what is left is the answer to the impact.
     run.step_s = 1e-12;

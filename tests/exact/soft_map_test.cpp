@@ -41,11 +41,14 @@ constexpr Tolerance k_places = {"places of contacts", 1e-15, 5.7e-17, "sums of l
 constexpr Tolerance k_weight = {"impulses of a stack at rest", 1.2e-6, 1.2e-7,
                                 "single precision of the impulses"};
 
+constexpr BoxPlaces k_boxes = {.axis_bias = 1e-3, .parallel = 1e-6, .border_share = 1e-6};
+
 Scheme soft_scheme() {
   Scheme scheme;
   scheme.position = PositionRule::mean_velocity;
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::moser_veselov;
+  scheme.cut_turn_rad = 0.02;
   scheme.soft = SoftContact{.substeps = 20,
                             .frequency_hz = 1e9,
                             .damping_ratio = 5.0,
@@ -54,6 +57,8 @@ Scheme soft_scheme() {
                             .resting_approach_mps = 0.1,
                             .keep_share = 1e-3,
                             .same_point_share = 0.1,
+                            .same_normal = 0.9,
+                            .boxes = k_boxes,
                             .too_deep_share = 0.5,
                             .most_trials = 8,
                             .most_sweeps = 8,
@@ -310,7 +315,7 @@ TEST(BoxPoints, EdgesThatCrossMeetMidway) {
   const Vector3d half_m(0.1, 0.1, 0.1);
   const double eighth = 0.25 * std::numbers::pi, height_m = 0.2 * std::numbers::sqrt2 + 1e-3;
   const BoxPoints met =
-      box_points(half_m, turned({0.03, 0.0, 0.0}, eighth, Vector3d::UnitX()), half_m,
+      box_points(k_boxes, half_m, turned({0.03, 0.0, 0.0}, eighth, Vector3d::UnitX()), half_m,
                  turned({0.0, 0.02, height_m}, eighth, Vector3d::UnitY()));
   ASSERT_EQ(met.points.size(), 1U);
   const Vector3d upper_edge(0.0, 0.0, height_m - 0.1 * std::numbers::sqrt2);
@@ -325,7 +330,7 @@ TEST(BoxPoints, EdgesThatCrossMeetMidway) {
 TEST(BoxPoints, FaceOfTheSecondBoxCountsWhereItIsFurther) {
   const double height_m = 0.1 * std::numbers::sqrt2 + 0.05 + 1e-3;
   const BoxPoints met =
-      box_points(Vector3d(0.1, 0.1, 0.1),
+      box_points(k_boxes, Vector3d(0.1, 0.1, 0.1),
                  turned({0.0, 0.0, height_m}, 0.25 * std::numbers::pi, Vector3d::UnitY()),
                  Vector3d(0.5, 0.5, 0.05), at({0.0, 0.0, 0.0}));
   Worst worst;

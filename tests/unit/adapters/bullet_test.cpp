@@ -1,4 +1,4 @@
-// What only Bullet needs: its clamp of the spin, and boxes with sharp edges.
+// What only Bullet needs: its clamps of spins and turns, and boxes with sharp edges.
 #include <cmath>
 
 #include "tests/unit/adapters/cases.hpp"
@@ -33,6 +33,31 @@ TEST(Bullet, CountsASpinThatItClamped) {
   const auto diagnostics = simulation->diagnostic_view()->diagnostics();
   ASSERT_EQ(diagnostics[0].name, "spin_clamped_bodies");
   EXPECT_EQ(diagnostics[0].value, 1.0);
+}
+
+// Up to an eighth of a turn per step the pose follows the spin; beyond, it lags as the scheme says.
+TEST(Bullet, TurnsBeyondAnEighthComeOutAsTheSchemeStates) {
+  constexpr double k_pi = 3.14159265358979323846;
+  const Scheme scheme = bullet_adapter().scheme({.variant = "si"}).value();
+  EXPECT_EQ(scheme.turn_limit_rad, 0.25 * k_pi);
+  for (const double turn_rad : {0.1, 0.78, 0.79, 1.0, 1.3, 1.57}) {
+    World world;
+    world.gravity_mps2.setZero();
+    world.bodies = {solid_body("ball", SphereShape{0.1}, k_density_kgpm3, {})};
+    Settings settings;
+    settings.step_s = 0.01;
+    world.bodies[0].initial.angular_velocity_radps.z() = turn_rad / settings.step_s;
+    const auto simulation = make(bullet_adapter(), world, settings);
+    run(*simulation, 1);
+    const double share = turn_rad / scheme.turn_limit_rad;
+    const double stated_rad =
+        share > 1.0 ? 2.0 * std::atan(share * std::tan(0.5 * scheme.turn_limit_rad)) : turn_rad;
+    const Eigen::Quaterniond turned = states_of(*simulation, world)[0].orientation;
+    EXPECT_NEAR(turned.angularDistance(Eigen::Quaterniond::Identity()), stated_rad, 1e-14);
+    const auto diagnostics = simulation->diagnostic_view()->diagnostics();
+    ASSERT_EQ(diagnostics[1].name, "turn_cut_bodies");
+    EXPECT_EQ(diagnostics[1].value, share > 1.0 ? 1.0 : 0.0);
+  }
 }
 
 // A sphere above a box's edge, diagonally: with the library's rounded edges (5 mm) it would fall
