@@ -28,51 +28,22 @@ using namespace bullet;
 
 bool is_box(const btCollisionShape& shape) { return shape.getShapeType() == BOX_SHAPE_PROXYTYPE; }
 
-// Settings as the live objects hold them, under the names of the knobs.
-std::vector<AuditFact> live_settings(const Scene& scene, double step_s) {
-  const btContactSolverInfo& info = scene.world->getSolverInfo();
-  std::vector<AuditFact> facts;
-  const auto fact = [&](const char* name, const char* unit, double value) {
-    facts.push_back(number_fact(name, unit, value));
-  };
-  const bool nncg = scene.solver->getSolverType() == BT_NNCG_SOLVER;
-  facts.push_back({"solver", "", nncg ? k_nncg_solver : k_si_solver});
-  fact("step_s", "s", step_s);
-  fact("iterations", "1", info.m_numIterations);
-  fact("erp", "1", info.m_erp2);
-  fact("cfm", "1", info.m_globalCfm);
-  fact("split_impulse", "1", info.m_splitImpulse);
-  fact("split_impulse_threshold_m", "m", info.m_splitImpulsePenetrationThreshold);
-  fact("linear_slop_m", "m", info.m_linearSlop);
-  fact("restitution_threshold_mps", "m/s", info.m_restitutionVelocityThreshold);
-  fact("warm_starting", "1", info.m_warmstartingFactor);
-  fact("friction_directions", "1",
-       (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 2 : 1);
-  fact("solver_mode_bits", "", info.m_solverMode);
-  fact("plane_perturbations", "1", plane_perturbations(scene));
-  std::vector<double> thresholds_m, gyroscopic, margins_m;
-  for (const auto& body : scene.bodies) {
-    thresholds_m.push_back(body->getContactProcessingThreshold());
-    gyroscopic.push_back(gyroscopic_knob(body->getFlags()));
-    if (is_box(*body->getCollisionShape())) {
-      margins_m.push_back(body->getCollisionShape()->getMargin());
-    }
+std::string margins_text(std::span<const std::unique_ptr<btCollisionShape>> shapes) {
+  LiveValues margins_m;
+  for (const auto& shape : shapes) {
+    if (is_box(*shape)) margins_m.push_back(shape->getMargin());
   }
-  facts.push_back({"contact_processing_threshold_m", "m", common_text(thresholds_m)});
-  facts.push_back({"gyroscopic", "1", common_text(gyroscopic)});
-  facts.push_back({"box_margins_m", "m", common_text(margins_m)});
-  return facts;
+  return common_text(margins_m);
 }
 
-class BulletSimulation final : public Simulation,
-                               ContactView,
-                               StateView,
-                               AuditView,
-                               DiagnosticView {
+class BulletSimulation final : public Simulation, ContactView, AuditView, DiagnosticView {
  public:
-  BulletSimulation(const World& facts, Settings settings)
-      : facts_(facts), settings_(std::move(settings)) {
-    scene_ = std::make_unique<Scene>(facts_, settings_);
+  BulletSimulation(const World& facts, const Settings& settings)
+      : facts_(facts), step_s_(settings.step_s) {
+    scene_ = std::make_unique<Scene>(facts_, settings.variant == "nncg",
+                                     knob(settings, "max_box_margin_m"));
+    set_knobs(k_knobs, settings, *scene_);
+    scene_->join();
   }
 
   void apply(std::span<const Wrench> wrenches) override {
@@ -86,7 +57,7 @@ class BulletSimulation final : public Simulation,
 
   Expected<void> step() override {
     if (scene_->watched != nullptr) scene_->watched->residual_m2ps2 = 0.0;
-    scene_->world->stepSimulation(settings_.step_s, 0);
+    scene_->world->stepSimulation(step_s_, 0);
     return inspect();
   }
 
@@ -95,12 +66,10 @@ class BulletSimulation final : public Simulation,
   }
 
   const ContactView* contact_view() const override { return this; }
-  StateView* state_view() override { return this; }
   const AuditView* audit_view() const override { return this; }
   const DiagnosticView* diagnostic_view() const override { return this; }
 
   void contacts(std::vector<Contact>& contacts) const override;
-  Expected<void> set_state(std::span<const State> states) override;
   Audit audit() const override;
   ContactLaw pair_law(std::size_t a, std::size_t b) const override;
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
@@ -112,8 +81,8 @@ class BulletSimulation final : public Simulation,
   State state_of(std::size_t i) const;
   Expected<void> inspect();
 
-  World facts_;  // the bodies point at it; its initial states are those of the last set_state
-  Settings settings_;
+  World facts_;  // the bodies point at it
+  double step_s_;
   std::unique_ptr<Scene> scene_;
   std::vector<Diagnostic> diagnostics_;
   Flags flags_;
@@ -128,25 +97,20 @@ State BulletSimulation::state_of(std::size_t i) const {
           .angular_velocity_radps = from_bt(body.getAngularVelocity())};
 }
 
-// What Bullet does without telling: states that are not finite, bodies switched off because their
-// bounding box overflowed, spins clamped to a quarter turn per step, turns beyond an eighth that
-// come out smaller.
+// What Bullet does without telling: bodies switched off because their bounding box overflowed,
+// spins clamped to a quarter turn per step, turns beyond an eighth that come out smaller.
 Expected<void> BulletSimulation::inspect() {
   double clamped = 0.0;
   double cut = 0.0;
   for (std::size_t i = 0; i < facts_.bodies.size(); ++i) {
     if (facts_.bodies[i].fixed) continue;
-    const State state = state_of(i);
-    const std::string& name = facts_.bodies[i].name;
-    if (!is_finite(state)) {
-      return fail(Fault::diverged, fmt::format("state of body '{}' is not finite", name));
-    }
-    if (scene_->bodies[i]->getActivationState() != DISABLE_DEACTIVATION) {
+    // Of a body that is nowhere any more, the seam says so.
+    if (scene_->bodies[i]->getActivationState() != DISABLE_DEACTIVATION && is_finite(state_of(i))) {
       return fail(Fault::crashed, fmt::format("Bullet switched off body '{}' (its bounding box "
                                               "overflowed)",
-                                              name));
+                                              facts_.bodies[i].name));
     }
-    const double turn_rad = state.angular_velocity_radps.norm() * settings_.step_s;
+    const double turn_rad = scene_->bodies[i]->getAngularVelocity().length() * step_s_;
     if (turn_rad >= k_max_turn_rad * (1.0 - 1e-12)) clamped += 1.0;
     if (turn_rad > k_largest_way_rad) cut += 1.0;
   }
@@ -183,21 +147,6 @@ void BulletSimulation::contacts(std::vector<Contact>& contacts) const {
   }
 }
 
-// Builds the world anew: Bullet's future depends on manifolds, pair order and trees as well.
-Expected<void> BulletSimulation::set_state(std::span<const State> states) {
-  World next = facts_;
-  for (std::size_t i = 0; i < next.bodies.size(); ++i) {
-    if (!next.bodies[i].fixed) next.bodies[i].initial = states[i];
-  }
-  if (auto valid = validate(next); !valid) return valid;
-  scene_.reset();
-  facts_ = std::move(next);
-  scene_ = std::make_unique<Scene>(facts_, settings_);
-  diagnostics_.clear();
-  flags_ = {};
-  return {};
-}
-
 Audit BulletSimulation::audit() const {
   Audit audit;
   audit.gravity_mps2 = from_bt(scene_->world->getGravity());
@@ -214,7 +163,14 @@ Audit BulletSimulation::audit() const {
          .angular_damping_hz = damping_hz(body->getAngularDamping()),
          .can_sleep = !fixed && body->getActivationState() != DISABLE_DEACTIVATION});
   }
-  audit.settings = live_settings(*scene_, settings_.step_s);
+  const bool nncg = scene_->solver->getSolverType() == BT_NNCG_SOLVER;
+  audit.settings = read_knobs(k_knobs, *scene_);
+  audit.settings.push_back(number_fact("step_s", "s", step_s_));
+  audit.settings.push_back({"solver", "", nncg ? k_nncg_solver : k_si_solver});
+  audit.settings.push_back({"box_margins_m", "m", margins_text(scene_->shapes)});
+  const btContactSolverInfo& info = scene_->world->getSolverInfo();
+  audit.settings.push_back(number_fact("linear_slop_m", "m", info.m_linearSlop));
+  audit.settings.push_back(number_fact("solver_mode_bits", "", info.m_solverMode));
   return audit;
 }
 
@@ -237,27 +193,19 @@ ContactLaw BulletSimulation::pair_law(std::size_t a, std::size_t b) const {
 }
 
 std::vector<AuditFact> asked_of_bullet(const World& world, const Settings& settings) {
-  std::vector<AuditFact> facts = asked_knobs(k_knobs, settings);
+  std::vector<AuditFact> facts = asked_knobs(k_knobs, world, settings);
   // Boxes may be too small for the margin asked for.
-  const double margin_m = knob_value(k_knobs, settings, "max_box_margin_m");
-  std::erase_if(facts, [](const AuditFact& fact) { return fact.name == "max_box_margin_m"; });
-  std::vector<double> margins_m;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes;
   for (const Body& body : world.bodies) {
-    const auto shape = make_shape(body.shape, margin_m);
-    if (is_box(*shape)) margins_m.push_back(shape->getMargin());
+    shapes.push_back(make_shape(body.shape, knob(settings, "max_box_margin_m")));
   }
-  facts.push_back({"box_margins_m", "m", common_text(margins_m)});
+  facts.push_back({"box_margins_m", "m", margins_text(shapes)});
   facts.push_back({"solver", "", settings.variant == "nncg" ? k_nncg_solver : k_si_solver});
-  if (world.bodies.empty()) {
-    std::erase_if(facts, [](const AuditFact& fact) {
-      return fact.name == "gyroscopic" || fact.name == "contact_processing_threshold_m";
-    });
-  }
   return facts;
 }
 
 std::optional<Scheme> bullet_scheme(const Settings& settings) {
-  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
+  const auto value = [&](std::string_view name) { return knob(settings, name); };
   constexpr std::array gyroscopic = {GyroscopicRule::neglected, GyroscopicRule::explicit_body,
                                      GyroscopicRule::explicit_body, GyroscopicRule::newton_body};
   const auto flag = static_cast<std::size_t>(value("gyroscopic"));
@@ -290,9 +238,6 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
 }
 
 Expected<std::unique_ptr<Simulation>> build_bullet(const World& world, const Settings& settings) {
-  if (settings.threads > 1) {
-    return fail(Fault::unsupported, "this Bullet is built without threads; threads must be 1");
-  }
   for (const Body& body : world.bodies) {
     const double spin_radps = body.initial.angular_velocity_radps.norm();
     if (spin_radps * settings.step_s > k_max_turn_rad) {
@@ -314,10 +259,12 @@ Adapter bullet_adapter() {
   const std::string precision = btIsDoublePrecision() ? "f64" : "f32";
   return {.name = "bullet",
           .version = fmt::format("{}.{:02}", version / 100, version % 100),
-          .variants = {{"si", "sequential impulses, 50 iterations, tuned", precision},
-                       {"nncg", "nonlinear conjugate gradients, 50 iterations, tuned", precision},
+          .variants = {{"si", "sequential impulses, 50 iterations, tuned", precision,
+                        tuned_values(k_knobs)},
+                       {"nncg", "nonlinear conjugate gradients, 50 iterations, tuned", precision,
+                        tuned_values(k_knobs)},
                        {"default", "the library's own settings: sequential impulses, 10 iterations",
-                        precision}},
+                        precision, library_values(k_knobs)}},
           .knobs = to_knobs(k_knobs),
           .build = &build_bullet,
           .scheme = &bullet_scheme,

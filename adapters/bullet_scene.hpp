@@ -26,29 +26,6 @@ inline constexpr double k_max_turn_rad =
 // btTransformUtil::ANGULAR_MOTION_THRESHOLD, a macro of the source: larger turns come out smaller.
 inline constexpr double k_largest_way_rad = 0.5 * SIMD_HALF_PI;
 
-inline constexpr std::array k_knobs = {
-    KnobRow{"iterations", "1", 10, 50, 1, 1e6, true, "sweeps of the contact solver"},
-    KnobRow{"erp", "1", 0.2, 0.2, 0, 1, false, "share of a penetration removed per step"},
-    KnobRow{"cfm", "1", 0, 0, 0, 1e6, false, "constraint force mixing of the contact rows"},
-    KnobRow{"split_impulse", "1", 1, 1, 0, 1, true, "1: depth is corrected outside the velocities"},
-    KnobRow{"split_impulse_threshold_m", "m", -0.04, 0, -1e6, 0, false,
-            "gap below which split impulse replaces Baumgarte velocities"},
-    KnobRow{"restitution_threshold_mps", "m/s", 0.2, 0, 0, 1e6, false,
-            "approach speed below which nothing bounces"},
-    KnobRow{"contact_processing_threshold_m", "m", BT_LARGE_FLOAT, 1e-8, 0, BT_LARGE_FLOAT, false,
-            "gap above which a contact point gets no row in the solver"},
-    KnobRow{"gyroscopic", "1", 3, 3, 0, 3, true,
-            "0 off, 1 explicit, 2 implicit in the world frame, 3 implicit in the body frame"},
-    KnobRow{"warm_starting", "1", 0.85, 0.85, 0, 1, false,
-            "share of the last impulse to start from"},
-    KnobRow{"friction_directions", "1", 1, 2, 1, 2, true, "friction rows per contact point"},
-    KnobRow{
-        "max_box_margin_m", "m", 0.04, 0, 0, 0.04, false,
-        "radius of a box's rounded edges against spheres (also at most a tenth of its half size)"},
-    KnobRow{"plane_perturbations", "1", 0, 8, 0, 64, true,
-            "extra support queries between a box and a plane while they share fewer than 4 points"},
-};
-
 inline btVector3 to_bt(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 inline Eigen::Vector3d from_bt(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 inline btTransform to_bt(const State& s) {
@@ -118,6 +95,7 @@ inline double gyroscopic_knob(int flags) {
   return -1;
 }
 
+inline constexpr int k_two_directions = SOLVER_USE_2_FRICTION_DIRECTIONS;
 inline constexpr const char* k_si_solver = "btSequentialImpulseConstraintSolver";
 inline constexpr const char* k_nncg_solver = "btNNCGConstraintSolver";
 
@@ -149,34 +127,20 @@ struct Scene {
   std::vector<std::unique_ptr<btCollisionShape>> shapes;
   std::vector<std::unique_ptr<btRigidBody>> bodies;  // order of World::bodies
 
-  Scene(const World& facts, const Settings& settings);
+  // Bodies stand in the world after join() alone.
+  Scene(const World& facts, bool conjugate_gradients, double max_box_margin_m);
   ~Scene() {
     for (auto& body : bodies) world->removeRigidBody(body.get());
+  }
+  void join() {
+    for (auto& body : bodies) world->addRigidBody(body.get());
   }
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
  private:
-  void configure(const Settings& settings);
-  void add(const World& facts, std::size_t index, const Settings& settings);
+  void make(const World& facts, std::size_t index, double max_box_margin_m);
 };
-
-inline void Scene::configure(const Settings& settings) {
-  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
-  btContactSolverInfo& info = world->getSolverInfo();
-  info.m_numIterations = static_cast<int>(value("iterations"));
-  info.m_erp2 = value("erp");
-  info.m_globalCfm = value("cfm");
-  info.m_splitImpulse = static_cast<int>(value("split_impulse"));
-  info.m_splitImpulsePenetrationThreshold = value("split_impulse_threshold_m");
-  info.m_restitutionVelocityThreshold = value("restitution_threshold_mps");
-  info.m_warmstartingFactor = value("warm_starting");
-  info.m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD;
-  if (value("friction_directions") > 1) info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-  if (const int turns = static_cast<int>(value("plane_perturbations")); turns > 0) {
-    configuration.setPlaneConvexMultipointIterations(turns, 4);
-  }
-}
 
 // As the function that makes box-plane algorithms holds it.
 inline double plane_perturbations(const Scene& scene) {
@@ -188,9 +152,9 @@ inline double plane_perturbations(const Scene& scene) {
                                                            : create->m_numPerturbationIterations;
 }
 
-inline void Scene::add(const World& facts, std::size_t index, const Settings& settings) {
+inline void Scene::make(const World& facts, std::size_t index, double max_box_margin_m) {
   const Body& fact = facts.bodies[index];
-  shapes.push_back(make_shape(fact.shape, knob_value(k_knobs, settings, "max_box_margin_m")));
+  shapes.push_back(make_shape(fact.shape, max_box_margin_m));
   btRigidBody::btRigidBodyConstructionInfo info(
       fact.fixed ? 0.0 : fact.mass_kg, nullptr, shapes.back().get(),
       fact.fixed ? btVector3(0, 0, 0) : to_bt(fact.inertia_kgm2));
@@ -200,19 +164,15 @@ inline void Scene::add(const World& facts, std::size_t index, const Settings& se
   body.setUserIndex(static_cast<int>(index));
   body.setUserPointer(const_cast<World*>(&facts));
   body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
-  body.setContactProcessingThreshold(
-      knob_value(k_knobs, settings, "contact_processing_threshold_m"));
-  body.setFlags(gyroscopic_flag(knob_value(k_knobs, settings, "gyroscopic")));
   if (!fact.fixed) {
     body.setActivationState(DISABLE_DEACTIVATION);
     body.setLinearVelocity(to_bt(fact.initial.velocity_mps));
     body.setAngularVelocity(to_bt(fact.initial.angular_velocity_radps));
   }
-  world->addRigidBody(&body);
 }
 
-inline Scene::Scene(const World& facts, const Settings& settings) {
-  if (settings.variant == "nncg") {
+inline Scene::Scene(const World& facts, bool conjugate_gradients, double max_box_margin_m) {
+  if (conjugate_gradients) {
     solver = std::make_unique<btNNCGConstraintSolver>();
   } else {
     auto made = std::make_unique<WatchedSolver>();
@@ -222,8 +182,86 @@ inline Scene::Scene(const World& facts, const Settings& settings) {
   world = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, solver.get(),
                                                     &configuration);
   world->setGravity(to_bt(facts.gravity_mps2));
-  configure(settings);
-  for (std::size_t i = 0; i < facts.bodies.size(); ++i) add(facts, i, settings);
+  world->getSolverInfo().m_solverMode = SOLVER_USE_WARMSTARTING | SOLVER_SIMD;
+  for (std::size_t i = 0; i < facts.bodies.size(); ++i) make(facts, i, max_box_margin_m);
 }
+
+// set and read of a knob that is a member of the solver's settings.
+template <auto member>
+struct OfSolver;
+template <class Value, Value btContactSolverInfoData::*member>
+struct OfSolver<member> {
+  static void set(Scene& scene, double value) {
+    scene.world->getSolverInfo().*member = static_cast<Value>(value);
+  }
+  static LiveValues read(const Scene& scene) {
+    return {static_cast<double>(scene.world->getSolverInfo().*member)};
+  }
+};
+
+template <typename Ask>
+LiveValues of_bodies(const Scene& scene, const Ask& ask) {
+  LiveValues values;
+  for (const auto& body : scene.bodies) values.push_back(ask(*body));
+  return values;
+}
+
+using Row = KnobRow<Scene>;
+using Info = btContactSolverInfo;
+
+inline constexpr std::array k_knobs = {
+    Row{"iterations", "1", 10, 50, 1, 1e6, true, "sweeps of the contact solver",
+        &OfSolver<&Info::m_numIterations>::set, &OfSolver<&Info::m_numIterations>::read},
+    Row{"erp", "1", 0.2, 0.2, 0, 1, false, "share of a penetration removed per step",
+        &OfSolver<&Info::m_erp2>::set, &OfSolver<&Info::m_erp2>::read},
+    Row{"cfm", "1", 0, 0, 0, 1e6, false, "constraint force mixing of the contact rows",
+        &OfSolver<&Info::m_globalCfm>::set, &OfSolver<&Info::m_globalCfm>::read},
+    Row{"split_impulse", "1", 1, 1, 0, 1, true, "1: depth is corrected outside the velocities",
+        &OfSolver<&Info::m_splitImpulse>::set, &OfSolver<&Info::m_splitImpulse>::read},
+    Row{"split_impulse_threshold_m", "m", -0.04, 0, -1e6, 0, false,
+        "gap below which split impulse replaces Baumgarte velocities",
+        &OfSolver<&Info::m_splitImpulsePenetrationThreshold>::set,
+        &OfSolver<&Info::m_splitImpulsePenetrationThreshold>::read},
+    Row{"restitution_threshold_mps", "m/s", 0.2, 0, 0, 1e6, false,
+        "approach speed below which nothing bounces",
+        &OfSolver<&Info::m_restitutionVelocityThreshold>::set,
+        &OfSolver<&Info::m_restitutionVelocityThreshold>::read},
+    Row{"contact_processing_threshold_m", "m", BT_LARGE_FLOAT, 1e-8, 0, BT_LARGE_FLOAT, false,
+        "gap above which a contact point gets no row in the solver",
+        [](Scene& scene, double value) {
+          for (auto& body : scene.bodies) body->setContactProcessingThreshold(value);
+        },
+        [](const Scene& scene) {
+          return of_bodies(scene, [](auto& body) { return body.getContactProcessingThreshold(); });
+        },
+        true},
+    Row{"gyroscopic", "1", 3, 3, 0, 3, true,
+        "0 off, 1 explicit, 2 implicit in the world frame, 3 implicit in the body frame",
+        [](Scene& scene, double value) {
+          for (auto& body : scene.bodies) body->setFlags(gyroscopic_flag(value));
+        },
+        [](const Scene& scene) {
+          return of_bodies(scene, [](auto& body) { return gyroscopic_knob(body.getFlags()); });
+        },
+        true},
+    Row{"warm_starting", "1", 0.85, 0.85, 0, 1, false, "share of the last impulse to start from",
+        &OfSolver<&Info::m_warmstartingFactor>::set, &OfSolver<&Info::m_warmstartingFactor>::read},
+    Row{"friction_directions", "1", 1, 2, 1, 2, true, "friction rows per contact point",
+        [](Scene& scene, double value) {
+          if (value > 1) scene.world->getSolverInfo().m_solverMode |= k_two_directions;
+        },
+        [](const Scene& scene) -> LiveValues {
+          return {(scene.world->getSolverInfo().m_solverMode & k_two_directions) != 0 ? 2.0 : 1.0};
+        }},
+    Row{"max_box_margin_m", "m", 0.04, 0, 0, 0.04, false,
+        "radius of a box's rounded edges against spheres (also at most a tenth of its half size)"},
+    Row{"plane_perturbations", "1", 0, 8, 0, 64, true,
+        "extra support queries between a box and a plane while they share fewer than 4 points",
+        [](Scene& scene, double value) {
+          if (value == 0.0) return;
+          scene.configuration.setPlaneConvexMultipointIterations(static_cast<int>(value), 4);
+        },
+        [](const Scene& scene) -> LiveValues { return {plane_perturbations(scene)}; }},
+};
 
 }  // namespace brickbench::bullet

@@ -29,57 +29,67 @@ namespace {
 
 static_assert(sizeof(mjtNum) == 8, "the adapter wants MuJoCo in double precision");
 
+using Row = KnobRow<mjModel>;
+
+// set and read of a knob that is a member of MuJoCo's options.
+template <auto member>
+struct OfOption {
+  static void set(mjModel& model, double value) { Held<member>::set(model.opt, value); }
+  static LiveValues read(const mjModel& model) { return Held<member>::read(model.opt); }
+};
+
+// A number of each contact's "solref": of the geoms, and of the explicit pairs.
+template <int number>
+LiveValues solref(const mjModel& model) {
+  LiveValues values;
+  for (int i = 0; i < model.ngeom; ++i) values.push_back(model.geom_solref[i * mjNREF + number]);
+  for (int i = 0; i < model.npair; ++i) values.push_back(model.pair_solref[i * mjNREF + number]);
+  return values;
+}
+
 constexpr std::array k_knobs = {
-    KnobRow{"iterations", "1", 100, 200, 1, 1e6, true, "most iterations of the solver per step"},
-    KnobRow{"tolerance", "1", 1e-8, 1e-10, 0, 1, false,
-            "scaled improvement or gradient below which the solver stops"},
-    KnobRow{"solref_timeconst_s", "s", 0.02, 0, 0, 1e3, false,
-            "time constant of the contact's spring; 0: two steps; MuJoCo raises less to two steps"},
-    KnobRow{"solref_dampratio", "1", 1, 1, 1e-6, 1e6, false,
-            "damping of the contact's spring; 1 is critical"},
-    KnobRow{"impratio", "1", 1, 1, 1e-6, 1e6, false,
-            "stiffness of friction over that of the normal; more: less creep"},
-    KnobRow{"integrator", "1", 0, 0, 0, 2, true,
-            "0 semi-implicit Euler, 1 Runge-Kutta of order 4, 2 implicit in the velocity"},
-    KnobRow{"noslip_iterations", "1", 0, 0, 0, 1e6, true,
-            "iterations of the second solver against creep"},
-    KnobRow{"cone", "1", 0, 1, 0, 1, true, "friction cone: 0 pyramidal, 1 elliptic"},
-    KnobRow{"contacts_per_body", "1", 12, 12, 0, 1e6, false,
-            "room for contacts: 50 plus this per moving body; memory grows with its square"},
-    KnobRow{"warm_starting", "1", 1, 1, 0, 1, true, "1: start from the last step's acceleration"},
+    Row{"iterations", "1", 100, 200, 1, 1e6, true, "most iterations of the solver per step",
+        &OfOption<&mjOption::iterations>::set, &OfOption<&mjOption::iterations>::read},
+    Row{"tolerance", "1", 1e-8, 1e-10, 0, 1, false,
+        "scaled improvement or gradient below which the solver stops",
+        &OfOption<&mjOption::tolerance>::set, &OfOption<&mjOption::tolerance>::read},
+    Row{"solref_timeconst_s", "s", 0.02, 0, 0, 1e3, false,
+        "time constant of the contact's spring; 0: two steps; MuJoCo raises less to two steps",
+        nullptr, &solref<0>, true},
+    Row{"solref_dampratio", "1", 1, 1, 1e-6, 1e6, false,
+        "damping of the contact's spring; 1 is critical", nullptr, &solref<1>, true},
+    Row{"impratio", "1", 1, 1, 1e-6, 1e6, false,
+        "stiffness of friction over that of the normal; more: less creep",
+        &OfOption<&mjOption::impratio>::set, &OfOption<&mjOption::impratio>::read},
+    Row{"integrator", "1", 0, 0, 0, 2, true,
+        "0 semi-implicit Euler, 1 Runge-Kutta of order 4, 2 implicit in the velocity",
+        &OfOption<&mjOption::integrator>::set, &OfOption<&mjOption::integrator>::read},
+    Row{"noslip_iterations", "1", 0, 0, 0, 1e6, true,
+        "iterations of the second solver against creep",
+        &OfOption<&mjOption::noslip_iterations>::set,
+        &OfOption<&mjOption::noslip_iterations>::read},
+    Row{"cone", "1", 0, 1, 0, 1, true, "friction cone: 0 pyramidal, 1 elliptic",
+        &OfOption<&mjOption::cone>::set, &OfOption<&mjOption::cone>::read},
+    Row{"contacts_per_body", "1", 12, 12, 0, 1e6, false,
+        "room for contacts: 50 plus this per moving body; memory grows with its square"},
+    Row{"warm_starting", "1", 1, 1, 0, 1, true, "1: start from the last step's acceleration",
+        [](mjModel& model, double value) {
+          if (value == 0.0) model.opt.disableflags |= mjDSBL_WARMSTART;
+        },
+        [](const mjModel& model) -> LiveValues {
+          return {(model.opt.disableflags & mjDSBL_WARMSTART) == 0 ? 1.0 : 0.0};
+        }},
 };
 
 mjtSolver solver_of(const Settings& settings) {
   return settings.variant == "cg" ? mjSOL_CG : mjSOL_NEWTON;
 }
 
-int integrator_of(const Settings& settings) {
-  const bool runge_kutta = settings.variant == "rk4" && !settings.knobs.contains("integrator");
-  return runge_kutta ? int{mjINT_RK4}
-                     : static_cast<int>(knob_value(k_knobs, settings, "integrator"));
-}
-
 mujoco::ContactSettings contact_settings(const Settings& settings) {
-  const double asked_s = knob_value(k_knobs, settings, "solref_timeconst_s");
+  const double asked_s = knob(settings, "solref_timeconst_s");
   return {.time_constant_s = asked_s > 0.0 ? asked_s : 2.0 * settings.step_s,
-          .damping_ratio = knob_value(k_knobs, settings, "solref_dampratio"),
-          .contacts_per_body = knob_value(k_knobs, settings, "contacts_per_body")};
-}
-
-void set_options(mjOption& option, const World& world, const Settings& settings) {
-  const auto whole = [&](const char* name) {
-    return static_cast<int>(knob_value(k_knobs, settings, name));
-  };
-  option.timestep = settings.step_s;
-  Eigen::Map<Eigen::Vector3d>(option.gravity) = world.gravity_mps2;
-  option.solver = solver_of(settings);
-  option.iterations = whole("iterations");
-  option.tolerance = knob_value(k_knobs, settings, "tolerance");
-  option.impratio = knob_value(k_knobs, settings, "impratio");
-  option.integrator = integrator_of(settings);
-  option.noslip_iterations = whole("noslip_iterations");
-  option.cone = whole("cone");
-  if (whole("warm_starting") == 0) option.disableflags |= mjDSBL_WARMSTART;
+          .damping_ratio = knob(settings, "solref_dampratio"),
+          .contacts_per_body = knob(settings, "contacts_per_body")};
 }
 
 Eigen::Map<const Eigen::Vector3d> vector_at(const mjtNum* values) {
@@ -87,39 +97,6 @@ Eigen::Map<const Eigen::Vector3d> vector_at(const mjtNum* values) {
 }
 
 constexpr std::array k_solvers = {"PGS", "CG", "Newton"};
-
-// Settings as the compiled model holds them, under the names of the knobs.
-std::vector<AuditFact> live_settings(const mjModel& model, const mjData& data) {
-  const mjOption& option = model.opt;
-  std::vector<AuditFact> facts = {
-      {"solver", "", k_solvers[static_cast<std::size_t>(option.solver)]}};
-  const auto fact = [&](const char* name, const char* unit, double value) {
-    facts.push_back(number_fact(name, unit, value));
-  };
-  fact("step_s", "s", option.timestep);
-  fact("iterations", "1", option.iterations);
-  fact("tolerance", "1", option.tolerance);
-  fact("cone", "1", option.cone);
-  fact("integrator", "1", option.integrator);
-  fact("impratio", "1", option.impratio);
-  fact("noslip_iterations", "1", option.noslip_iterations);
-  fact("warm_starting", "1", (option.disableflags & mjDSBL_WARMSTART) == 0 ? 1 : 0);
-  std::vector<double> times_s, ratios;
-  const auto note = [&](const mjtNum* solref, int count) {
-    for (int i = 0; i < count; ++i) {
-      times_s.push_back(solref[i * mjNREF]);
-      ratios.push_back(solref[i * mjNREF + 1]);
-    }
-  };
-  note(model.geom_solref, model.ngeom);
-  note(model.pair_solref, model.npair);
-  facts.push_back({"solref_timeconst_s", "s", common_text(times_s)});
-  facts.push_back({"solref_dampratio", "1", common_text(ratios)});
-  fact("nconmax", "1", model.nconmax);
-  fact("njmax", "1", model.njmax);
-  fact("buffer", "byte", data.nbuffer);
-  return facts;
-}
 
 struct Slot {
   int geom = -1;
@@ -224,7 +201,13 @@ class MujocoSimulation final : public Simulation,
     Audit audit;
     audit.gravity_mps2 = vector_at(model_->opt.gravity);
     for (const Slot& slot : slots_) audit.bodies.push_back(audit_body(slot));
-    audit.settings = live_settings(*model_, *data_);
+    audit.settings = read_knobs(k_knobs, *model_);
+    audit.settings.push_back(
+        {"solver", "", k_solvers[static_cast<std::size_t>(model_->opt.solver)]});
+    audit.settings.push_back(number_fact("step_s", "s", model_->opt.timestep));
+    audit.settings.push_back(number_fact("nconmax", "1", model_->nconmax));
+    audit.settings.push_back(number_fact("njmax", "1", model_->njmax));
+    audit.settings.push_back(number_fact("buffer", "byte", data_->nbuffer));
     return audit;
   }
 
@@ -319,42 +302,36 @@ class MujocoSimulation final : public Simulation,
 };
 
 Expected<std::unique_ptr<Simulation>> build_mujoco(const World& world, const Settings& settings) {
-  if (settings.threads > 1) {
-    return fail(Fault::unsupported,
-                fmt::format("{} threads: MuJoCo steps one world in one thread", settings.threads));
-  }
   mujoco::throw_errors_and_warnings();
   const mujoco::ContactSettings contact = contact_settings(settings);
   auto model = mujoco::compile(world, contact);
   if (!model) return tl::unexpected(model.error());
-  set_options((*model)->opt, world, settings);
+  mjOption& option = (*model)->opt;
+  option.timestep = settings.step_s;
+  Eigen::Map<Eigen::Vector3d>(option.gravity) = world.gravity_mps2;
+  option.solver = solver_of(settings);
+  set_knobs(k_knobs, settings, **model);
   auto data = mujoco::allocate(**model, contact);
   if (!data) return tl::unexpected(data.error());
   return std::make_unique<MujocoSimulation>(world, std::move(*model), std::move(*data));
 }
 
 std::vector<AuditFact> asked_of_mujoco(const World& world, const Settings& settings) {
-  std::vector<AuditFact> facts = asked_knobs(k_knobs, settings);
-  const auto replace = [&](std::string_view knob, AuditFact fact) {
-    *std::ranges::find(facts, knob, &AuditFact::name) = std::move(fact);
-  };
   const mujoco::ContactSettings contact = contact_settings(settings);
+  Settings used = settings;
+  used.knobs["solref_timeconst_s"] = contact.time_constant_s;
+  std::vector<AuditFact> facts = asked_knobs(k_knobs, world, used);
   const auto moving = std::ranges::count(world.bodies, false, &Body::fixed);
-  replace("integrator", number_fact("integrator", "1", integrator_of(settings)));
-  replace("contacts_per_body",
-          number_fact("nconmax", "1", mujoco::contact_room(contact, static_cast<double>(moving))));
-  replace("solref_timeconst_s", number_fact("solref_timeconst_s", "s", contact.time_constant_s));
+  facts.push_back(
+      number_fact("nconmax", "1", mujoco::contact_room(contact, static_cast<double>(moving))));
   facts.push_back({"solver", "", k_solvers[static_cast<std::size_t>(solver_of(settings))]});
-  if (world.bodies.empty()) {
-    std::erase_if(facts, [](const AuditFact& fact) { return fact.name.starts_with("solref"); });
-  }
   return facts;
 }
 
 // Todorov, Erez, Tassa, "MuJoCo: a physics engine for model-based control" (2012) and the chapter
 // "Computation" of MuJoCo's documentation.
 std::optional<Scheme> mujoco_scheme(const Settings& settings) {
-  const int integrator = integrator_of(settings);
+  const int integrator = static_cast<int>(knob(settings, "integrator"));
   const mujoco::ContactSettings contact = contact_settings(settings);
   Scheme scheme;
   scheme.source = "MuJoCo documentation 2.2, Computation: integrators, solver parameters";
@@ -374,24 +351,27 @@ std::optional<Scheme> mujoco_scheme(const Settings& settings) {
                                       // the point that it belongs to, before it is stored
                                       .box_gap_share = 0.5};
   // The map counts friction and normal as equally stiff, and knows no second solver.
-  if (knob_value(k_knobs, settings, "impratio") != 1.0 ||
-      knob_value(k_knobs, settings, "noslip_iterations") > 0.0) {
+  if (knob(settings, "impratio") != 1.0 || knob(settings, "noslip_iterations") > 0.0) {
     scheme.compliant.reset();
   }
-  scheme.friction =
-      knob_value(k_knobs, settings, "cone") > 0.0 ? FrictionSet::circle : FrictionSet::inscribed;
+  scheme.friction = knob(settings, "cone") > 0.0 ? FrictionSet::circle : FrictionSet::inscribed;
   return scheme;
 }
 
 }  // namespace
 
 Adapter mujoco_adapter() {
+  KnobValues runge_kutta = tuned_values(k_knobs);
+  runge_kutta["integrator"] = mjINT_RK4;
   return {.name = "mujoco",
           .version = mj_versionString(),
-          .variants = {{"cg", "conjugate gradients, elliptic cones, stiffest contacts; tuned"},
-                       {"newton", "Newton's method, elliptic cones, stiffest contacts; tuned"},
-                       {"rk4", "as newton, with Runge-Kutta of order 4"},
-                       {"default", "Newton's method, pyramidal cones; the library's own settings"}},
+          .variants = {{"cg", "conjugate gradients, elliptic cones, stiffest contacts; tuned",
+                        "f64", tuned_values(k_knobs)},
+                       {"newton", "Newton's method, elliptic cones, stiffest contacts; tuned",
+                        "f64", tuned_values(k_knobs)},
+                       {"rk4", "as newton, with Runge-Kutta of order 4", "f64", runge_kutta},
+                       {"default", "Newton's method, pyramidal cones; the library's own settings",
+                        "f64", library_values(k_knobs)}},
           .knobs = to_knobs(k_knobs),
           .build = build_mujoco,
           .scheme = mujoco_scheme,

@@ -35,16 +35,14 @@ const char* solver_name(const Settings& settings) {
   return settings.variant == "dantzig" ? "dWorldStep" : "dWorldQuickStep";
 }
 
-class OdeSimulation final : public Simulation, ContactView, StateView, AuditView, DiagnosticView {
+class OdeSimulation final : public Simulation, ContactView, AuditView, DiagnosticView {
  public:
   OdeSimulation(const World& facts, Settings settings)
-      : facts_(facts),
-        settings_(std::move(settings)),
-        slip_aligned_(knob_value(k_knobs, settings_, "slip_aligned_friction") > 0),
-        restitution_threshold_mps_(knob_value(k_knobs, settings_, "restitution_threshold_mps")),
-        points_(static_cast<std::size_t>(knob_value(k_knobs, settings_, "max_contacts"))) {
+      : facts_(facts), settings_(std::move(settings)) {
     const Session session(seed_);
-    scene_ = std::make_unique<Scene>(facts_, settings_);
+    if (!session.ready()) throw std::runtime_error("ODE could not be initialised");
+    scene_ = std::make_unique<Scene>(facts_);
+    set_knobs(k_knobs, settings_, *scene_);
   }
   ~OdeSimulation() override {
     const Session session(seed_);
@@ -69,12 +67,10 @@ class OdeSimulation final : public Simulation, ContactView, StateView, AuditView
   }
 
   const ContactView* contact_view() const override { return this; }
-  StateView* state_view() override { return this; }
   const AuditView* audit_view() const override { return this; }
   const DiagnosticView* diagnostic_view() const override { return this; }
 
   void contacts(std::vector<Contact>& contacts) const override;
-  Expected<void> set_state(std::span<const State> states) override;
   Audit audit() const override;
   ContactLaw pair_law(std::size_t a, std::size_t b) const override;
   std::span<const Diagnostic> diagnostics() const override { return diagnostics_; }
@@ -91,9 +87,6 @@ class OdeSimulation final : public Simulation, ContactView, StateView, AuditView
 
   World facts_;
   Settings settings_;
-  bool slip_aligned_;
-  double restitution_threshold_mps_;
-  std::vector<dContact> points_;  // (max_contacts), scratch of collide()
   unsigned long seed_ = 0;
   double lcp_messages_ = 0.0;  // since the start
   std::unique_ptr<Scene> scene_;
@@ -119,7 +112,7 @@ dSurfaceParameters OdeSimulation::surface(std::size_t a, std::size_t b) const {
   if (law.restitution > 0.0) {
     surface.mode |= dContactBounce;
     surface.bounce = law.restitution;
-    surface.bounce_vel = restitution_threshold_mps_;
+    surface.bounce_vel = scene_->restitution_threshold_mps;
   }
   return surface;
 }
@@ -148,7 +141,7 @@ void OdeSimulation::align_friction(dContact& point) const {
 
 // Whether ODE has more points for the pair than the room that collide() gave it.
 bool OdeSimulation::is_cut(dGeomID a, dGeomID b, int found) const {
-  if (found < static_cast<int>(points_.size())) return false;
+  if (found < static_cast<int>(scene_->points.size())) return false;
   std::array<dContactGeom, k_most_points> all;
   return dCollide(a, b, k_most_points, all.data(), static_cast<int>(sizeof(dContactGeom))) > found;
 }
@@ -164,13 +157,14 @@ Flags OdeSimulation::tellable() const {
 void OdeSimulation::collide(dGeomID a, dGeomID b) {
   if (dGeomGetBody(a) == nullptr) std::swap(a, b);
   if (dGeomGetBody(a) == nullptr) return;
-  const int found = dCollide(a, b, static_cast<int>(points_.size()), &points_[0].geom,
+  auto& points = scene_->points;
+  const int found = dCollide(a, b, static_cast<int>(points.size()), &points[0].geom,
                              static_cast<int>(sizeof(dContact)));
   flags_.raise(Flag::contacts_dropped, is_cut(a, b, found));
   for (int k = 0; k < found; ++k) {
-    dContact& point = points_[static_cast<std::size_t>(k)];
+    dContact& point = points[static_cast<std::size_t>(k)];
     point.surface = surface(index_of(a), index_of(b));
-    if (slip_aligned_) align_friction(point);
+    if (scene_->slip_aligned) align_friction(point);
     const dJointID joint = dJointCreateContact(scene_->world, scene_->joints, &point);
     dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
     scene_->touches.push_back({.geom = point.geom});
@@ -180,31 +174,21 @@ void OdeSimulation::collide(dGeomID a, dGeomID b) {
 
 Expected<void> OdeSimulation::step() {
   const Session session(seed_);
+  if (!session.ready()) return fail(Fault::out_of_memory, "ODE has no memory for this thread");
   scene_->touches.clear();
   flags_ = {};
-  try {
-    dSpaceCollide(scene_->space, this, [](void* self, dGeomID a, dGeomID b) {
-      static_cast<OdeSimulation*>(self)->collide(a, b);
-    });
-    const int done = settings_.variant == "dantzig"
-                         ? dWorldStep(scene_->world, settings_.step_s)
-                         : dWorldQuickStep(scene_->world, settings_.step_s);
-    if (done == 0) return fail(Fault::out_of_memory, "ODE could not get the memory for its step");
-  } catch (const std::runtime_error& error) {
-    return fail(Fault::crashed, error.what());
-  }
+  dSpaceCollide(scene_->space, this, [](void* self, dGeomID a, dGeomID b) {
+    static_cast<OdeSimulation*>(self)->collide(a, b);
+  });
+  const int done = settings_.variant == "dantzig"
+                       ? dWorldStep(scene_->world, settings_.step_s)
+                       : dWorldQuickStep(scene_->world, settings_.step_s);
+  if (done == 0) return fail(Fault::out_of_memory, "ODE could not get the memory for its step");
   dJointGroupEmpty(scene_->joints);
   lcp_messages_ += messages().count;
   flags_.raise(Flag::unsolved, messages().count > 0);
   diagnostics_ = {{"solver_messages", "1", static_cast<double>(messages().count)},
                   {"solver_messages_total", "1", lcp_messages_}};
-  for (std::size_t i = 0; i < facts_.bodies.size(); ++i) {
-    if (!is_finite(state_of(i))) {
-      return fail(Fault::diverged,
-                  fmt::format("state of body '{}' is not finite{}{}", facts_.bodies[i].name,
-                              messages().count > 0 ? "; ODE said: " : "", messages().last));
-    }
-  }
   return {};
 }
 
@@ -219,23 +203,6 @@ void OdeSimulation::contacts(std::vector<Contact>& contacts) const {
                         .gap_m = -touch.geom.depth,
                         .impulse_ns = -settings_.step_s * to_eigen(touch.feedback.f1)});
   }
-}
-
-// Builds the world anew and restarts the random seed.
-Expected<void> OdeSimulation::set_state(std::span<const State> states) {
-  World next = facts_;
-  for (std::size_t i = 0; i < next.bodies.size(); ++i) {
-    if (!next.bodies[i].fixed) next.bodies[i].initial = states[i];
-  }
-  if (auto valid = validate(next); !valid) return valid;
-  facts_ = std::move(next);
-  seed_ = 0;
-  lcp_messages_ = 0.0;
-  diagnostics_.clear();
-  flags_ = {};
-  const Session session(seed_);
-  scene_ = std::make_unique<Scene>(facts_, settings_);
-  return {};
 }
 
 BodyAudit audit_body(dBodyID body, dGeomID geom, double step_s) {
@@ -260,30 +227,11 @@ Audit OdeSimulation::audit() const {
   for (std::size_t i = 0; i < scene_->geoms.size(); ++i) {
     audit.bodies.push_back(audit_body(scene_->bodies[i], scene_->geoms[i], settings_.step_s));
   }
-  const dWorldID world = scene_->world;
-  const auto fact = [&](const char* name, const char* unit, double value) {
-    audit.settings.push_back(number_fact(name, unit, value));
-  };
-  std::vector<double> gyroscopic, finite_rotation;
-  for (const dBodyID body : scene_->bodies) {
-    if (body == nullptr) continue;
-    gyroscopic.push_back(dBodyGetGyroscopicMode(body) != 0 ? 1 : 0);
-    finite_rotation.push_back(dBodyGetFiniteRotationMode(body));
-  }
+  audit.settings = read_knobs(k_knobs, *scene_);
+  audit.settings.push_back(number_fact("step_s", "s", settings_.step_s));
   audit.settings.push_back({"solver", "", solver_name(settings_)});
-  fact("step_s", "s", settings_.step_s);
-  fact("iterations", "1", dWorldGetQuickStepNumIterations(world));
-  fact("over_relaxation", "1", dWorldGetQuickStepW(world));
-  fact("erp", "1", dWorldGetERP(world));
-  fact("cfm", "1", dWorldGetCFM(world));
-  fact("max_correcting_velocity_mps", "m/s", dWorldGetContactMaxCorrectingVel(world));
-  fact("contact_surface_layer_m", "m", dWorldGetContactSurfaceLayer(world));
-  fact("max_angular_speed_radps", "rad/s", dWorldGetMaxAngularSpeed(world));
-  fact("max_contacts", "1", static_cast<double>(points_.size()));
-  fact("slip_aligned_friction", "1", slip_aligned_ ? 1 : 0);
-  fact("restitution_threshold_mps", "m/s", restitution_threshold_mps_);
-  audit.settings.push_back({"gyroscopic", "1", common_text(gyroscopic)});
-  audit.settings.push_back({"finite_rotation", "1", common_text(finite_rotation)});
+  audit.settings.push_back(
+      number_fact("max_angular_speed_radps", "rad/s", dWorldGetMaxAngularSpeed(scene_->world)));
   audit.settings.push_back({"configuration", "", dGetConfiguration()});
   return audit;
 }
@@ -295,18 +243,13 @@ ContactLaw OdeSimulation::pair_law(std::size_t a, std::size_t b) const {
 }
 
 std::vector<AuditFact> asked_of_ode(const World& world, const Settings& settings) {
-  std::vector<AuditFact> facts = asked_knobs(k_knobs, settings);
+  std::vector<AuditFact> facts = asked_knobs(k_knobs, world, settings);
   facts.push_back({"solver", "", solver_name(settings)});
-  if (std::ranges::all_of(world.bodies, &Body::fixed)) {
-    std::erase_if(facts, [](const AuditFact& fact) {
-      return fact.name == "gyroscopic" || fact.name == "finite_rotation";
-    });
-  }
   return facts;
 }
 
 std::optional<Scheme> ode_scheme(const Settings& settings) {
-  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
+  const auto value = [&](std::string_view name) { return knob(settings, name); };
   Scheme scheme;
   scheme.source =
       "Smith, ODE 0.16: dxStepBody (util.cpp), gyroscopic torque in step.cpp and quickstep.cpp, "
@@ -329,9 +272,6 @@ Expected<std::unique_ptr<Simulation>> build_ode(const World& world, const Settin
   if (dCheckConfiguration("ODE_double_precision") == 0) {
     return fail(Fault::unsupported, "the ODE library at run time is not in double precision");
   }
-  if (settings.threads > 1) {
-    return fail(Fault::unsupported, "ODE's results depend on its threads; threads must be 1");
-  }
   return std::make_unique<OdeSimulation>(world, settings);
 }
 
@@ -342,10 +282,11 @@ Adapter ode_adapter() {
   return {
       .name = "ode",
       .version = BRICKBENCH_ODE_VERSION,
-      .variants = {{"quick", "QuickStep, 50 iterations, tuned", precision},
+      .variants = {{"quick", "QuickStep, 50 iterations, tuned", precision, tuned_values(k_knobs)},
                    {"dantzig", "dWorldStep (Lemke-Dantzig), tuned; for some 15 bodies at most",
-                    precision},
-                   {"default", "the library's own settings: QuickStep, 20 iterations", precision}},
+                    precision, tuned_values(k_knobs)},
+                   {"default", "the library's own settings: QuickStep, 20 iterations", precision,
+                    library_values(k_knobs)}},
       .knobs = to_knobs(k_knobs),
       .build = &build_ode,
       .scheme = &ode_scheme,

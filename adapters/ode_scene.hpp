@@ -29,25 +29,6 @@ inline constexpr double k_no_slip_mps = 1e-9;
 // More points than ODE makes for any pair of its shapes that we use: eight for two boxes.
 inline constexpr int k_most_points = 64;
 
-inline constexpr std::array k_knobs = {
-    KnobRow{"iterations", "1", 20, 50, 1, 1e6, true, "sweeps of QuickStep"},
-    KnobRow{"over_relaxation", "1", 1.3, 1.3, 0.1, 1.9, false, "over-relaxation of QuickStep"},
-    KnobRow{"erp", "1", 0.2, 0.2, 0, 1, false, "share of a penetration removed per step"},
-    KnobRow{"cfm", "1", 1e-10, 1e-10, 0, 1e6, false, "constraint force mixing of all rows"},
-    KnobRow{"max_correcting_velocity_mps", "m/s", k_infinity, 0.1, 0, k_infinity, false,
-            "limit of the velocity that removes penetrations"},
-    KnobRow{"contact_surface_layer_m", "m", 0, 0, 0, 1, false, "penetration that is left alone"},
-    KnobRow{"max_contacts", "1", 8, 8, 1, 64, true,
-            "contact points per pair (ODE leaves the number to its user)"},
-    KnobRow{"restitution_threshold_mps", "m/s", 0, 0, 0, 1e6, false,
-            "approach speed below which nothing bounces (ODE leaves it to its user)"},
-    KnobRow{"slip_aligned_friction", "1", 0, 1, 0, 1, true,
-            "1: the friction pyramid's first axis follows the slip; 0: fixed axes"},
-    KnobRow{"gyroscopic", "1", 1, 1, 0, 1, true, "1: gyroscopic torque of free bodies; 0: none"},
-    KnobRow{"finite_rotation", "1", 0, 0, 0, 1, true,
-            "1: orientations turn by finite rotations; 0: by one Euler step of the quaternion"},
-};
-
 // What ODE said since the session began. Guarded by Session's lock.
 struct Messages {
   int count = 0;
@@ -72,14 +53,13 @@ inline void on_message(int, const char* format, va_list arguments) {
 }
 
 // One simulation's turn with what ODE keeps per process: the random seed and the message handlers.
-// The library is opened at the first turn and never closed: other worlds may be alive.
+// The library is opened at the first turn and never closed: other worlds may be alive. Throws
+// nothing, so that a destructor may have its turn: ready() says whether ODE can be used.
 class Session {
  public:
   explicit Session(unsigned long& seed) : lock_(mutex()), seed_(seed), foreign_(dRandGetSeed()) {
     static const bool opened = dInitODE2(0) != 0;
-    if (!opened || dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll)) == 0) {
-      throw std::runtime_error("ODE could not be initialised");
-    }
+    ready_ = opened && dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll)) != 0;
     dSetErrorHandler(&on_error);
     dSetDebugHandler(&on_error);
     dSetMessageHandler(&on_message);
@@ -93,6 +73,8 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  bool ready() const { return ready_; }
+
  private:
   static std::mutex& mutex() {
     static std::mutex one;
@@ -101,6 +83,7 @@ class Session {
   std::lock_guard<std::mutex> lock_;
   unsigned long& seed_;
   unsigned long foreign_;
+  bool ready_ = false;
 };
 
 inline Eigen::Vector3d to_eigen(const dReal* v) { return {v[0], v[1], v[2]}; }
@@ -160,8 +143,12 @@ struct Scene {
   std::vector<dBodyID> bodies;  // order of World::bodies; nullptr for fixed bodies
   std::vector<dGeomID> geoms;   // order of World::bodies
   std::deque<Touch> touches;    // stable addresses
+  // What ODE leaves to its user, for each contact.
+  std::vector<dContact> points;  // (most per pair), scratch
+  double restitution_threshold_mps = 0.0;
+  bool slip_aligned = false;
 
-  Scene(const World& facts, const Settings& settings);
+  explicit Scene(const World& facts);
   ~Scene() {
     dJointGroupDestroy(joints);
     dSpaceDestroy(space);
@@ -171,10 +158,10 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 
  private:
-  dBodyID make_body(const Body& fact, dGeomID geom, const Settings& settings);
+  dBodyID make_body(const Body& fact, dGeomID geom);
 };
 
-inline dBodyID Scene::make_body(const Body& fact, dGeomID geom, const Settings& settings) {
+inline dBodyID Scene::make_body(const Body& fact, dGeomID geom) {
   const dBodyID body = dBodyCreate(world);
   dMass mass;
   const Eigen::Vector3d& inertia = fact.inertia_kgm2;
@@ -186,21 +173,11 @@ inline dBodyID Scene::make_body(const Body& fact, dGeomID geom, const Settings& 
   const Eigen::Vector3d& w = fact.initial.angular_velocity_radps;
   dBodySetLinearVel(body, v.x(), v.y(), v.z());
   dBodySetAngularVel(body, w.x(), w.y(), w.z());
-  dBodySetGyroscopicMode(body, static_cast<int>(knob_value(k_knobs, settings, "gyroscopic")));
-  dBodySetFiniteRotationMode(body,
-                             static_cast<int>(knob_value(k_knobs, settings, "finite_rotation")));
   return body;
 }
 
-inline Scene::Scene(const World& facts, const Settings& settings) {
-  const auto value = [&](std::string_view name) { return knob_value(k_knobs, settings, name); };
+inline Scene::Scene(const World& facts) {
   dWorldSetGravity(world, facts.gravity_mps2.x(), facts.gravity_mps2.y(), facts.gravity_mps2.z());
-  dWorldSetERP(world, value("erp"));
-  dWorldSetCFM(world, value("cfm"));
-  dWorldSetQuickStepNumIterations(world, static_cast<int>(value("iterations")));
-  dWorldSetQuickStepW(world, value("over_relaxation"));
-  dWorldSetContactMaxCorrectingVel(world, value("max_correcting_velocity_mps"));
-  dWorldSetContactSurfaceLayer(world, value("contact_surface_layer_m"));
   dWorldSetAutoDisableFlag(world, 0);
   dWorldSetDamping(world, 0, 0);
   for (std::size_t i = 0; i < facts.bodies.size(); ++i) {
@@ -208,9 +185,82 @@ inline Scene::Scene(const World& facts, const Settings& settings) {
     const dGeomID geom = make_geom(space, fact);
     dGeomSetData(geom, reinterpret_cast<void*>(i));
     geoms.push_back(geom);
-    bodies.push_back(fact.fixed ? nullptr : make_body(fact, geom, settings));
+    bodies.push_back(fact.fixed ? nullptr : make_body(fact, geom));
     if (fact.fixed && dGeomGetClass(geom) != dPlaneClass) set_position(geom, fact.initial);
   }
 }
+
+// set and read of a knob that ODE keeps in its world.
+template <auto set_in_world, auto get_from_world>
+struct OfWorld {
+  static void set(Scene& scene, double value) {
+    using Value = decltype(get_from_world(scene.world));
+    set_in_world(scene.world, static_cast<Value>(value));
+  }
+  static LiveValues read(const Scene& scene) {
+    return {static_cast<double>(get_from_world(scene.world))};
+  }
+};
+
+// set and read of a mode, 0 or 1, that ODE keeps in each body.
+template <auto set_in_body, auto get_from_body>
+struct OfBodies {
+  static void set(Scene& scene, double value) {
+    for (const dBodyID body : scene.bodies) {
+      if (body != nullptr) set_in_body(body, static_cast<int>(value));
+    }
+  }
+  static LiveValues read(const Scene& scene) {
+    LiveValues values;
+    for (const dBodyID body : scene.bodies) {
+      if (body != nullptr) values.push_back(get_from_body(body) != 0 ? 1.0 : 0.0);
+    }
+    return values;
+  }
+};
+
+using Row = KnobRow<Scene>;
+using Iterations = OfWorld<&dWorldSetQuickStepNumIterations, &dWorldGetQuickStepNumIterations>;
+using Relaxation = OfWorld<&dWorldSetQuickStepW, &dWorldGetQuickStepW>;
+using Erp = OfWorld<&dWorldSetERP, &dWorldGetERP>;
+using Cfm = OfWorld<&dWorldSetCFM, &dWorldGetCFM>;
+using Correcting = OfWorld<&dWorldSetContactMaxCorrectingVel, &dWorldGetContactMaxCorrectingVel>;
+using Layer = OfWorld<&dWorldSetContactSurfaceLayer, &dWorldGetContactSurfaceLayer>;
+using Gyroscopic = OfBodies<&dBodySetGyroscopicMode, &dBodyGetGyroscopicMode>;
+using FiniteRotation = OfBodies<&dBodySetFiniteRotationMode, &dBodyGetFiniteRotationMode>;
+using Threshold = Held<&Scene::restitution_threshold_mps>;
+using SlipAligned = Held<&Scene::slip_aligned>;
+
+inline constexpr std::array k_knobs = {
+    Row{"iterations", "1", 20, 50, 1, 1e6, true, "sweeps of QuickStep", &Iterations::set,
+        &Iterations::read},
+    Row{"over_relaxation", "1", 1.3, 1.3, 0.1, 1.9, false, "over-relaxation of QuickStep",
+        &Relaxation::set, &Relaxation::read},
+    Row{"erp", "1", 0.2, 0.2, 0, 1, false, "share of a penetration removed per step", &Erp::set,
+        &Erp::read},
+    Row{"cfm", "1", 1e-10, 1e-10, 0, 1e6, false, "constraint force mixing of all rows", &Cfm::set,
+        &Cfm::read},
+    Row{"max_correcting_velocity_mps", "m/s", k_infinity, 0.1, 0, k_infinity, false,
+        "limit of the velocity that removes penetrations", &Correcting::set, &Correcting::read},
+    Row{"contact_surface_layer_m", "m", 0, 0, 0, 1, false, "penetration that is left alone",
+        &Layer::set, &Layer::read},
+    Row{"max_contacts", "1", 8, 8, 1, 64, true,
+        "contact points per pair (ODE leaves the number to its user)",
+        [](Scene& scene, double value) { scene.points.resize(static_cast<std::size_t>(value)); },
+        [](const Scene& scene) -> LiveValues {
+          return {static_cast<double>(scene.points.size())};
+        }},
+    Row{"restitution_threshold_mps", "m/s", 0, 0, 0, 1e6, false,
+        "approach speed below which nothing bounces (ODE leaves it to its user)", &Threshold::set,
+        &Threshold::read},
+    Row{"slip_aligned_friction", "1", 0, 1, 0, 1, true,
+        "1: the friction pyramid's first axis follows the slip; 0: fixed axes", &SlipAligned::set,
+        &SlipAligned::read},
+    Row{"gyroscopic", "1", 1, 1, 0, 1, true, "1: gyroscopic torque of free bodies; 0: none",
+        &Gyroscopic::set, &Gyroscopic::read, true},
+    Row{"finite_rotation", "1", 0, 0, 0, 1, true,
+        "1: orientations turn by finite rotations; 0: by one Euler step of the quaternion",
+        &FiniteRotation::set, &FiniteRotation::read, true},
+};
 
 }  // namespace brickbench::ode

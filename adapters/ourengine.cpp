@@ -9,7 +9,6 @@
 //  * Refused: several threads in paper and baraff. In the others they change no bit.
 #include <algorithm>
 #include <limits>
-#include <map>
 
 #include "adapters/ourengine_variants.hpp"
 #include "ourengine/baraff/face_contact.hpp"
@@ -20,117 +19,46 @@
 namespace brickbench {
 namespace {
 
-using Rows = std::vector<KnobRow>;
+// More threads than any machine of today has.
+constexpr int k_most_threads = 1024;
 
-template <std::size_t... sizes>
-Rows rows(const std::array<KnobRow, sizes>&... tables) {
-  Rows all;
-  all.reserve((sizes + ...));
-  (all.insert(all.end(), tables.begin(), tables.end()), ...);
-  return all;
-}
+using Build = Expected<std::unique_ptr<Simulation>> (*)(const World&, const Settings&);
+using Asked = std::vector<AuditFact> (*)(const World&, const Settings&);
+using Stated = std::optional<Scheme> (*)(const Settings&);
 
 struct Entry {
   Variant variant;
-  Rows knobs;
-  Expected<std::unique_ptr<Simulation>> (*build)(const World&, const Settings&);
+  std::vector<Knob> knobs;
+  Build build;
+  Asked asked;
+  Stated scheme;
 };
 
-// One entry per variant; the first is the default.
-std::vector<Entry> entries() {
-  return {
-      {{"exact", "Coulomb friction and restitution at velocity level, solved to a stated residual"},
-       rows(k_exact_knobs),
-       &build_ourengine_exact},
-      {{"lcp", "the paper's frictionless law at velocity level; solver selectable"},
-       rows(k_exact_knobs, k_lcp_knobs),
-       &build_ourengine_lcp},
-      {{"fast", "soft contacts in small sub-steps, sixteen manifolds at a time", "f32"},
-       rows(k_fast_knobs),
-       &build_ourengine_fast},
-      {{"baraff", "the paper's system; overlaps are undone; Dantzig pivoting, frictionless"},
-       rows(k_baraff_knobs),
-       &build_ourengine_baraff},
-      {{"paper", "the paper's plain choices: no overlap handling; frictionless"},
-       rows(k_baraff_knobs),
-       &build_ourengine_baraff},
-  };
+std::vector<AuditFact> baraff_asked(const World& world, const Settings& settings) {
+  return asked_knobs(k_baraff_knobs, world, settings);
 }
 
-// Knobs of all variants; one that several variants have is listed once.
-std::vector<Knob> all_knobs() {
-  std::vector<Knob> knobs;
-  for (const Entry& entry : entries()) {
-    for (const Knob& knob : to_knobs(entry.knobs)) {
-      if (std::ranges::find(knobs, knob.name, &Knob::name) == knobs.end()) knobs.push_back(knob);
-    }
-  }
-  return knobs;
+std::vector<AuditFact> velocity_asked(const World& world, const Settings& settings) {
+  const bool frictionless = settings.variant == "lcp";
+  std::vector<AuditFact> facts = frictionless ? asked_knobs(k_lcp_knobs, world, settings)
+                                              : asked_knobs(k_exact_knobs, world, settings);
+  if (!frictionless) facts.push_back({"solver", "1", "exact"});
+  facts.push_back(number_fact("frictionless", "1", frictionless ? 1 : 0));
+  facts.push_back(number_fact("threads", "1", settings.threads));
+  return facts;
 }
 
-// A knob that belongs to another variant would have no effect: it is refused instead.
-Expected<void> check_knobs(const Entry& entry, const Settings& settings) {
-  for (const auto& [name, value] : settings.knobs) {
-    const bool known = std::ranges::any_of(
-        entry.knobs, [&name = name](const KnobRow& row) { return name == row.name; });
-    if (!known) {
-      return fail(Fault::invalid, fmt::format("variant '{}' has no knob '{}'; other variants do",
-                                              entry.variant.name, name));
-    }
-  }
-  return {};
-}
-
-Expected<std::unique_ptr<Simulation>> build_ourengine(const World& world,
-                                                      const Settings& settings) {
-  const bool velocity_level =
-      settings.variant == "fast" || settings.variant == "exact" || settings.variant == "lcp";
-  if (settings.threads > 1 && !velocity_level) {
-    return fail(Fault::unsupported,
-                fmt::format("variant '{}' runs on one thread; fast, exact and lcp can have more",
-                            settings.variant));
-  }
-  const auto all = entries();
-  const auto entry =
-      std::ranges::find(all, settings.variant, [](const Entry& e) { return e.variant.name; });
-  if (auto knobs = check_knobs(*entry, settings); !knobs) {
-    return tl::make_unexpected(knobs.error());
-  }
-  return entry->build(world, settings);
-}
-
-// ignore_friction is a permission, no setting of the engine.
-std::vector<AuditFact> asked_of_ourengine(const World&, const Settings& settings) {
-  const auto all = entries();
-  const auto entry =
-      std::ranges::find(all, settings.variant, [](const Entry& e) { return e.variant.name; });
-  std::vector<AuditFact> facts = {number_fact("step_s", "s", settings.step_s)};
-  for (const KnobRow& row : entry->knobs) {
-    const std::string_view name = row.name;
-    if (name == "ignore_friction" || name == "substep_s") continue;
-    const double own = settings.variant == "paper" ? row.library : row.tuned;
-    facts.push_back(number_fact(row.name, row.unit, knob_or(settings, name, own)));
-  }
-  if (settings.variant == "exact") facts.push_back({"solver", "1", "exact"});
-  if (settings.variant == "exact" || settings.variant == "lcp") {
-    facts.push_back(number_fact("frictionless", "1", settings.variant == "lcp" ? 1 : 0));
-    facts.push_back(number_fact("threads", "1", settings.threads));
-  }
-  if (settings.variant == "fast") {
-    facts.push_back(number_fact("substeps", "1", fast_contact(settings).substeps));
-    facts.push_back(number_fact("threads", "1", settings.threads));
-  }
+std::vector<AuditFact> fast_asked(const World& world, const Settings& settings) {
+  std::vector<AuditFact> facts = asked_knobs(k_fast_knobs, world, settings);
+  facts.push_back(number_fact("substeps", "1", fast_substeps(settings)));
+  facts.push_back(number_fact("threads", "1", settings.threads));
   return facts;
 }
 
 // The paper's system as ourengine/baraff/simulator.hpp states it; steps that bisection cuts at the
 // time of contact have no map in Scheme.
-Scheme baraff_scheme(const Settings& settings) {
-  const auto value = [&](std::string_view name) {
-    const auto row = std::ranges::find_if(
-        k_baraff_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
-    return knob_or(settings, name, settings.variant == "paper" ? row->library : row->tuned);
-  };
+std::optional<Scheme> baraff_scheme(const Settings& settings) {
+  const auto value = [&](std::string_view name) { return knob(settings, name); };
   Scheme scheme;
   scheme.source =
       "Darji & Alur, Explosion Simulator, \"Rigid body physics\"; Baraff, Rigid Body Simulation I; "
@@ -155,11 +83,7 @@ Scheme baraff_scheme(const Settings& settings) {
 
 // The velocity-level engine as ourengine/dynamics/dynamics.hpp and normal_bias_mps() state it.
 std::optional<Scheme> velocity_scheme(const Settings& settings) {
-  const auto value = [&](std::string_view name) {
-    const auto row = std::ranges::find_if(
-        k_exact_knobs, [&](const KnobRow& r) { return std::string_view(r.name) == name; });
-    return knob_or(settings, name, row->tuned);
-  };
+  const auto value = [&](std::string_view name) { return knob(settings, name); };
   const double integrator = value("integrator");
   if (integrator == 1.0) return std::nullopt;  // CF4 has no rule in Scheme
   Scheme scheme;
@@ -178,7 +102,7 @@ std::optional<Scheme> velocity_scheme(const Settings& settings) {
 }
 
 // As ourengine/fast/fast_dynamics.hpp, soft_batch.hpp and manifold_set.hpp state it.
-Scheme fast_scheme(const Settings& settings) {
+std::optional<Scheme> fast_scheme(const Settings& settings) {
   Scheme scheme;
   scheme.source = "Catto, Solver2D 2024; Macklin et al., Small Steps, 2019; ourengine/fast";
   scheme.position = PositionRule::mean_velocity;  // of bodies that nothing touches
@@ -189,17 +113,52 @@ Scheme fast_scheme(const Settings& settings) {
   return scheme;
 }
 
-std::optional<Scheme> ourengine_scheme(const Settings& settings) {
-  const std::string& variant = settings.variant;
-  if (variant == "baraff" || variant == "paper") return baraff_scheme(settings);
-  if (variant == "exact" || variant == "lcp") return velocity_scheme(settings);
-  return fast_scheme(settings);
+// One entry per variant; the first is the default.
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> list = {
+      {{"exact", "Coulomb friction and restitution at velocity level, solved to a stated residual",
+        "f64", tuned_values(k_exact_knobs), k_most_threads},
+       to_knobs(k_exact_knobs),
+       &build_ourengine_exact,
+       &velocity_asked,
+       &velocity_scheme},
+      {{"lcp", "the paper's frictionless law at velocity level; solver selectable", "f64",
+        tuned_values(k_lcp_knobs), k_most_threads},
+       to_knobs(k_lcp_knobs),
+       &build_ourengine_lcp,
+       &velocity_asked,
+       &velocity_scheme},
+      {{"fast", "soft contacts in small sub-steps, sixteen manifolds at a time", "f32",
+        tuned_values(k_fast_knobs), k_most_threads},
+       to_knobs(k_fast_knobs),
+       &build_ourengine_fast,
+       &fast_asked,
+       &fast_scheme},
+      {{"baraff", "the paper's system; overlaps are undone; Dantzig pivoting, frictionless", "f64",
+        tuned_values(k_baraff_knobs)},
+       to_knobs(k_baraff_knobs),
+       &build_ourengine_baraff,
+       &baraff_asked,
+       &baraff_scheme},
+      {{"paper", "the paper's plain choices: no overlap handling; frictionless", "f64",
+        library_values(k_baraff_knobs)},
+       to_knobs(k_baraff_knobs),
+       &build_ourengine_baraff,
+       &baraff_asked,
+       &baraff_scheme},
+  };
+  return list;
+}
+
+const Entry& entry_of(const Settings& settings) {
+  return *std::ranges::find(entries(), settings.variant,
+                            [](const Entry& e) { return e.variant.name; });
 }
 
 }  // namespace
 
 Expected<void> refuse_friction(const World& world, const Settings& settings) {
-  if (knob_or(settings, "ignore_friction", 0.0) == 1.0) return {};
+  if (knob(settings, "ignore_friction") == 1.0) return {};
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double friction = contact_law(world, j, i).friction;
@@ -214,15 +173,22 @@ Expected<void> refuse_friction(const World& world, const Settings& settings) {
 }
 
 Adapter ourengine_adapter() {
-  Adapter adapter{.name = "ourengine",
-                  .version = ourengine::k_version,
-                  .variants = {},
-                  .knobs = all_knobs(),
-                  .build = &build_ourengine,
-                  .scheme = &ourengine_scheme,
-                  .asked = &asked_of_ourengine,
-                  .own = true};
-  for (const Entry& entry : entries()) adapter.variants.push_back(entry.variant);
+  Adapter adapter{
+      .name = "ourengine",
+      .version = ourengine::k_version,
+      .variants = {},
+      .knobs = {},
+      .build = [](const World& world, const Settings& s) { return entry_of(s).build(world, s); },
+      .scheme = [](const Settings& s) { return entry_of(s).scheme(s); },
+      .asked = [](const World& world, const Settings& s) { return entry_of(s).asked(world, s); },
+      .own = true};
+  for (const Entry& entry : entries()) {
+    adapter.variants.push_back(entry.variant);
+    for (const Knob& knob : entry.knobs) {
+      const auto known = std::ranges::find(adapter.knobs, knob.name, &Knob::name);
+      if (known == adapter.knobs.end()) adapter.knobs.push_back(knob);
+    }
+  }
   return adapter;
 }
 

@@ -8,8 +8,6 @@
 #include "adapters/ourengine_variants.hpp"
 #include "adapters/seam/shape.hpp"
 #include "ourengine/collision/manifold.hpp"
-#include "ourengine/dynamics/dynamics.hpp"
-#include "ourengine/fast/fast_dynamics.hpp"
 
 namespace brickbench {
 namespace {
@@ -129,40 +127,23 @@ constexpr Flags tellable_of(const engine::StepReport&) {
 }
 constexpr Flags tellable_of(const engine::FastReport&) { return Flags(Flag::overlap_left); }
 
-// Index: the value of the knob `solver` of `lcp`, the method that is tried first.
-constexpr std::array<engine::Solver, 3> k_lcp_solvers = {
-    &engine::solve_ipm_first, &engine::solve_dantzig_first, &engine::solve_nsgs_first};
-
-std::string solver_name(engine::Solver solver) {
-  if (solver == &engine::solve_exact) return "exact";
-  const auto found = std::ranges::find(k_lcp_solvers, solver);
-  return fmt::format("{}", found - k_lcp_solvers.begin());
-}
-
 std::vector<AuditFact> facts_of(const engine::DynamicsOptions& o) {
-  return {number_fact("step_s", "s", o.step_s),
-          number_fact("integrator", "1", static_cast<int>(o.rotation)),
-          {"rotation", "1", engine::rotation_name(o.rotation)},
-          {"solver", "1", solver_name(o.solver)},
-          number_fact("tolerance", "1", o.solve.tolerance),
-          number_fact("slip_tolerance", "1", o.solve.slip_tolerance),
-          number_fact("margin_m", "m", o.margin_m),
-          number_fact("overlap_recovery", "1", o.overlap_recovery),
-          number_fact("recovery_limit_mps", "m/s", o.recovery_limit_mps),
-          number_fact("resting_approach_steps", "1", o.resting_approach_steps),
-          number_fact("frictionless", "1", o.frictionless ? 1 : 0),
-          number_fact("threads", "1", o.threads)};
+  std::vector<AuditFact> facts =
+      o.frictionless ? read_knobs(k_lcp_knobs, o) : read_knobs(k_exact_knobs, o);
+  if (o.solver == &engine::solve_exact) facts.push_back({"solver", "1", "exact"});
+  facts.push_back({"rotation", "1", engine::rotation_name(o.rotation)});
+  facts.push_back(number_fact("frictionless", "1", o.frictionless ? 1 : 0));
+  facts.push_back(number_fact("step_s", "s", o.step_s));
+  facts.push_back(number_fact("threads", "1", o.threads));
+  return facts;
 }
 
 std::vector<AuditFact> facts_of(const engine::FastOptions& o) {
-  return {number_fact("step_s", "s", o.step_s),
-          number_fact("substeps", "1", o.substeps),
-          number_fact("contact_frequency_hz", "1/s", o.contact_hz),
-          number_fact("damping_ratio", "1", o.damping_ratio),
-          number_fact("push_limit_mps", "m/s", o.push_limit_mps),
-          number_fact("margin_m", "m", o.margin_m),
-          number_fact("resting_approach_mps", "m/s", o.resting_approach_mps),
-          number_fact("threads", "1", o.threads)};
+  std::vector<AuditFact> facts = read_knobs(k_fast_knobs, o);
+  facts.push_back(number_fact("substeps", "1", o.substeps));
+  facts.push_back(number_fact("step_s", "s", o.step_s));
+  facts.push_back(number_fact("threads", "1", o.threads));
+  return facts;
 }
 
 bool frictionless(const engine::DynamicsOptions& options) { return options.frictionless; }
@@ -192,12 +173,6 @@ class VelocitySimulation final : public Simulation,
     const auto& report = engine_.step();
     diagnostics_ = diagnostics_of(report);
     flags_ = flags_of(report);
-    for (const engine::Motion& motion : engine_.motions()) {
-      if (!motion.position_m.allFinite() || !motion.attitude.coeffs().allFinite() ||
-          !motion.velocity_mps.allFinite() || !motion.angular_momentum_kgm2ps.allFinite()) {
-        return fail(Fault::diverged, "a state is not finite");
-      }
-    }
     return {};
   }
 
@@ -226,11 +201,6 @@ class VelocitySimulation final : public Simulation,
   Expected<void> set_state(std::span<const State> states) override {
     std::vector<engine::Motion> motions;
     for (std::size_t i = 0; i < states.size(); ++i) {
-      if (!is_finite(states[i]) || std::abs(states[i].orientation.norm() - 1.0) > 1e-9) {
-        return fail(Fault::invalid, fmt::format("state of body {} is not finite or its quaternion "
-                                                "is not of length 1 within 1e-9",
-                                                i));
-      }
       motions.push_back(to_motion(states[i], engine_.bodies()[i]));
     }
     engine_.set_motions(motions);
@@ -276,39 +246,20 @@ std::unique_ptr<Simulation> simulate(const World& world, const Options& options)
   return std::make_unique<VelocitySimulation<Engine>>(bodies, motions, surfaces.laws, options);
 }
 
-engine::DynamicsOptions exact_options(const World& world, const Settings& settings) {
-  const auto value = [&](std::string_view name) {
-    return knob_value(k_exact_knobs, settings, name);
-  };
+engine::DynamicsOptions dynamics_options(const World& world, const Settings& settings) {
   engine::DynamicsOptions options;
   options.step_s = settings.step_s;
   options.gravity_mps2 = world.gravity_mps2;
-  options.rotation = static_cast<engine::RotationScheme>(static_cast<int>(value("integrator")));
-  options.solver = &engine::solve_exact;
-  options.solve.tolerance = value("tolerance");
-  options.solve.slip_tolerance = value("slip_tolerance");
-  options.margin_m = value("margin_m");
-  options.overlap_recovery = value("overlap_recovery");
-  options.recovery_limit_mps = value("recovery_limit_mps");
-  options.resting_approach_steps = value("resting_approach_steps");
   options.threads = settings.threads;
   return options;
 }
 
 engine::FastOptions fast_options(const Settings& settings) {
-  const auto value = [&](std::string_view name) {
-    return knob_value(k_fast_knobs, settings, name);
-  };
   engine::FastOptions options;
   options.step_s = settings.step_s;
-  // The quotient of two roundings may land a hair above a whole number.
-  options.substeps =
-      std::max(1, static_cast<int>(std::ceil(settings.step_s / value("substep_s") - 1e-9)));
-  options.margin_m = value("margin_m");
-  options.contact_hz = value("contact_frequency_hz");
-  options.damping_ratio = value("damping_ratio");
-  options.push_limit_mps = value("push_limit_mps");
-  options.resting_approach_mps = value("resting_approach_mps");
+  options.substeps = fast_substeps(settings);
+  options.threads = settings.threads;
+  set_knobs(k_fast_knobs, settings, options);
   return options;
 }
 
@@ -316,7 +267,10 @@ engine::FastOptions fast_options(const Settings& settings) {
 
 Expected<std::unique_ptr<Simulation>> build_ourengine_exact(const World& world,
                                                             const Settings& settings) {
-  return simulate<engine::Dynamics>(world, exact_options(world, settings));
+  engine::DynamicsOptions options = dynamics_options(world, settings);
+  options.solver = &engine::solve_exact;
+  set_knobs(k_exact_knobs, settings, options);
+  return simulate<engine::Dynamics>(world, options);
 }
 
 Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
@@ -324,11 +278,16 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_lcp(const World& world,
   if (auto checked = refuse_friction(world, settings); !checked) {
     return tl::make_unexpected(checked.error());
   }
-  engine::DynamicsOptions options = exact_options(world, settings);
+  engine::DynamicsOptions options = dynamics_options(world, settings);
   options.frictionless = true;
-  options.solver =
-      k_lcp_solvers[static_cast<std::size_t>(knob_value(k_lcp_knobs, settings, "solver"))];
+  set_knobs(k_lcp_knobs, settings, options);
   return simulate<engine::Dynamics>(world, options);
+}
+
+int fast_substeps(const Settings& settings) {
+  const double longest_s = knob(settings, "substep_s");
+  // The quotient of two roundings may land a hair above a whole number.
+  return std::max(1, static_cast<int>(std::ceil(settings.step_s / longest_s - 1e-9)));
 }
 
 SoftContact fast_contact(const Settings& settings) {
@@ -360,7 +319,6 @@ Expected<std::unique_ptr<Simulation>> build_ourengine_fast(const World& world,
                                                            const Settings& settings) {
   engine::FastOptions options = fast_options(settings);
   options.gravity_mps2 = world.gravity_mps2;
-  options.threads = settings.threads;
   return simulate<engine::FastDynamics>(world, options);
 }
 

@@ -6,7 +6,6 @@
 //    follows Euler's equations by explicit Euler; the orientation turns by the exponential map.
 //  * There is no contact: a step after which a moving body comes closer to another body than their
 //    bounding spheres allow is refused with Fault::unsupported, never run through.
-//  * Refused at once: several threads.
 //
 // To make an adapter of your own: copy this file and template.cmake, rename template_adapter(), put
 // your engine's calls where FreeFlight computes, and declare the views that your engine offers.
@@ -22,9 +21,15 @@
 namespace brickbench {
 namespace {
 
+// What the engine keeps of its settings.
+struct Options {
+  double clearance_m = 0.0;
+};
+
 constexpr std::array k_knobs = {
-    KnobRow{"clearance_m", "m", 0.0, 0.0, 0.0, 1e3, false,
-            "the step is refused where bounding spheres come closer than this"},
+    KnobRow<Options>{"clearance_m", "m", 0.0, 0.0, 0.0, 1e3, false,
+                     "the step is refused where bounding spheres come closer than this",
+                     &Held<&Options::clearance_m>::set, &Held<&Options::clearance_m>::read},
 };
 
 // rotation by the vector `angle_rad` (axis times angle)
@@ -34,12 +39,12 @@ Eigen::Quaterniond exponential(const Eigen::Vector3d& angle_rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, angle_rad / angle));
 }
 
-class FreeFlight final : public Simulation, StateView, AuditView {
+class FreeFlight final : public Simulation, AuditView {
  public:
-  FreeFlight(const World& world, double step_s, double clearance_m)
+  FreeFlight(const World& world, double step_s, const Options& options)
       : world_(world),
         step_s_(step_s),
-        clearance_m_(clearance_m),
+        options_(options),
         states_(world.bodies.size()),
         wrenches_(world.bodies.size()) {
     std::ranges::transform(world_.bodies, states_.begin(), &Body::initial);
@@ -59,15 +64,7 @@ class FreeFlight final : public Simulation, StateView, AuditView {
 
   void read(std::span<State> states) const override { std::ranges::copy(states_, states.begin()); }
 
-  StateView* state_view() override { return this; }
   const AuditView* audit_view() const override { return this; }
-
-  Expected<void> set_state(std::span<const State> states) override {
-    for (std::size_t i = 0; i < states_.size(); ++i) {
-      if (!world_.bodies[i].fixed) states_[i] = states[i];
-    }
-    return {};
-  }
 
   Audit audit() const override {
     Audit audit;
@@ -82,8 +79,8 @@ class FreeFlight final : public Simulation, StateView, AuditView {
       }
       audit.bodies.push_back(facts);
     }
-    audit.settings = {number_fact("step_s", "s", step_s_),
-                      number_fact("clearance_m", "m", clearance_m_)};
+    audit.settings = read_knobs(k_knobs, options_);
+    audit.settings.push_back(number_fact("step_s", "s", step_s_));
     return audit;
   }
   ContactLaw pair_law(std::size_t a, std::size_t b) const override {
@@ -118,7 +115,7 @@ class FreeFlight final : public Simulation, StateView, AuditView {
     for (std::size_t i = 0; i < states_.size(); ++i) {
       if (world_.bodies[i].fixed) continue;
       for (std::size_t k = 0; k < states_.size(); ++k) {
-        if (i == k || gap_m(i, k) > clearance_m_) continue;
+        if (i == k || gap_m(i, k) > options_.clearance_m) continue;
         return fail(Fault::unsupported,
                     fmt::format("bodies '{}' and '{}' may touch, and this engine has no contact",
                                 world_.bodies[i].name, world_.bodies[k].name));
@@ -129,22 +126,19 @@ class FreeFlight final : public Simulation, StateView, AuditView {
 
   World world_;
   double step_s_;
-  double clearance_m_;
+  Options options_;
   std::vector<State> states_;
   std::vector<Wrench> wrenches_;
 };
 
 Expected<std::unique_ptr<Simulation>> build_template(const World& world, const Settings& settings) {
-  if (settings.threads > 1) {
-    return fail(Fault::unsupported,
-                fmt::format("{} threads: this engine has one", settings.threads));
-  }
-  return std::make_unique<FreeFlight>(world, settings.step_s,
-                                      knob_value(k_knobs, settings, "clearance_m"));
+  Options options;
+  set_knobs(k_knobs, settings, options);
+  return std::make_unique<FreeFlight>(world, settings.step_s, options);
 }
 
-std::vector<AuditFact> asked_of_template(const World&, const Settings& settings) {
-  return asked_knobs(k_knobs, settings);
+std::vector<AuditFact> asked_of_template(const World& world, const Settings& settings) {
+  return asked_knobs(k_knobs, world, settings);
 }
 
 // Exactly what FreeFlight::advance() does.
@@ -162,7 +156,8 @@ std::optional<Scheme> template_scheme(const Settings&) {
 Adapter template_adapter() {
   return {.name = "template",
           .version = "1",
-          .variants = {{"free_flight", "no contact: refuses the step in which bodies may touch"}},
+          .variants = {{"free_flight", "no contact: refuses the step in which bodies may touch",
+                        "f64", tuned_values(k_knobs)}},
           .knobs = to_knobs(k_knobs),
           .build = build_template,
           .scheme = template_scheme,

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <exception>
-#include <new>
+
+#include "adapters/seam/guard.hpp"
 
 namespace brickbench {
 namespace {
@@ -32,11 +32,6 @@ std::string with_unit(double value, const std::string& unit) {
 }
 
 }  // namespace
-
-double knob_or(const Settings& settings, std::string_view name, double otherwise) {
-  const auto found = settings.knobs.find(name);
-  return found == settings.knobs.end() ? otherwise : found->second;
-}
 
 const Variant& variant_of(const Adapter& adapter, std::string_view name) {
   if (name.empty()) return adapter.variants.front();
@@ -87,29 +82,55 @@ Expected<void> validate(const Adapter& adapter, const Settings& settings) {
     return fail(Fault::invalid, fmt::format("{} has no variant '{}'; it has {}", adapter.name,
                                             settings.variant, names(adapter.variants)));
   }
+  const Variant& variant = variant_of(adapter, settings.variant);
   for (const auto& [name, value] : settings.knobs) {
-    const auto knob = std::ranges::find(adapter.knobs, name, &Knob::name);
-    if (knob == adapter.knobs.end()) {
+    const auto known = std::ranges::find(adapter.knobs, name, &Knob::name);
+    if (known == adapter.knobs.end()) {
       return fail(Fault::invalid, fmt::format("{} has no knob '{}'; it has {}", adapter.name, name,
                                               names(adapter.knobs)));
     }
-    if (auto ok = validate(*knob, value); !ok) return ok;
+    if (auto ok = validate(*known, value); !ok) return ok;
+    if (!variant.knobs.contains(name)) {
+      return fail(Fault::invalid, fmt::format("variant '{}' has no knob '{}'; other variants do",
+                                              variant.name, name));
+    }
+  }
+  if (settings.threads > variant.max_threads) {
+    return fail(Fault::unsupported,
+                fmt::format("{} threads: {}/{} can have {} at most", settings.threads, adapter.name,
+                            variant.name, variant.max_threads));
   }
   return {};
 }
 
+Settings settled(const Adapter& adapter, Settings settings) {
+  const Variant& variant = variant_of(adapter, settings.variant);
+  settings.variant = variant.name;
+  settings.knobs.insert(variant.knobs.begin(), variant.knobs.end());  // keeps what is turned
+  return settings;
+}
+
+double knob(const Settings& settings, std::string_view name) {
+  const auto found = settings.knobs.find(name);
+  assert(found != settings.knobs.end());
+  return found->second;
+}
+
 Expected<std::unique_ptr<Simulation>> build(const Adapter& adapter, const World& world,
-                                            Settings settings) {
+                                            const Settings& settings) {
   if (auto ok = validate(world); !ok) return tl::unexpected(ok.error());
   if (auto ok = validate(adapter, settings); !ok) return tl::unexpected(ok.error());
-  if (settings.variant.empty()) settings.variant = adapter.variants.front().name;
-  try {
-    return adapter.build(world, settings);
-  } catch (const std::bad_alloc&) {
-    return fail(Fault::out_of_memory, fmt::format("{} ran out of memory", adapter.name));
-  } catch (const std::exception& error) {
-    return fail(Fault::crashed, fmt::format("{} threw: {}", adapter.name, error.what()));
-  }
+  return build_guarded(adapter, world, settled(adapter, settings));
+}
+
+std::optional<Scheme> scheme_of(const Adapter& adapter, const Settings& settings) {
+  return adapter.scheme ? adapter.scheme(settled(adapter, settings)) : std::nullopt;
+}
+
+std::vector<AuditFact> asked_of(const Adapter& adapter, const World& world,
+                                const Settings& settings) {
+  if (!adapter.asked) return {};
+  return adapter.asked(world, settled(adapter, settings));
 }
 
 }  // namespace brickbench

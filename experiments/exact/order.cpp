@@ -57,9 +57,7 @@ OrderResult convergence(const Adapter& adapter, const std::string& variant,
     const auto run = build(exact_case, {{"step_s", step_s}});
     const Settings settings = settings_of(adapter, variant, *run);
     result.variant = settings.variant;
-    if (adapter.scheme != nullptr) {
-      if (const auto scheme = adapter.scheme(settings)) result.promised = scheme->order;
-    }
+    if (const auto scheme = scheme_of(adapter, settings)) result.promised = scheme->order;
     const double start_s = thread_cpu_s();
     const auto measured = measure(adapter, variant, exact_case, *run);
     if (!measured) {

@@ -27,9 +27,8 @@ Expected<void> check_audit(const Adapter& adapter, const Settings& settings, con
                            const Simulation& simulation) {
   const AuditView* view = simulation.audit_view();
   if (view == nullptr) return {};
-  std::vector<AuditFact> asked;
-  if (adapter.asked != nullptr) asked = adapter.asked(world, settings);
-  const std::vector<std::string> differences = audit_differences(world, *view, asked);
+  const std::vector<std::string> differences =
+      audit_differences(world, *view, asked_of(adapter, world, settings));
   if (differences.empty()) return {};
   return fail(Fault::invalid, fmt::format("{}", fmt::join(differences, "; ")));
 }
@@ -137,8 +136,7 @@ CellResult predict(const Adapter& adapter, const std::string& variant, const Exa
   for (std::size_t i = 0; i < run.truths.size(); ++i) {
     cell.scores.push_back(make_score(exact_case.observables[i], run.truths[i]));
   }
-  const std::optional<Scheme> scheme =
-      adapter.scheme == nullptr ? std::nullopt : adapter.scheme(settings);
+  const std::optional<Scheme> scheme = scheme_of(adapter, settings);
   if (!scheme) {
     cell.no_prediction = "the engine states no scheme";
     return cell;

@@ -81,7 +81,7 @@ LawPlan law_plan(const Adapter& adapter, const Settings& settings, std::size_t s
   plan.stride = stride;
   // A few hundred operations on each body per step.
   plan.rounding = variant_of(adapter, settings.variant).precision == "f32" ? 1e-5 : 1e-12;
-  if (adapter.scheme != nullptr) plan.scheme = adapter.scheme(settings);
+  plan.scheme = scheme_of(adapter, settings);
   return plan;
 }
 

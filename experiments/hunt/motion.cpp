@@ -30,7 +30,7 @@ Motion run_motion(const Adapter& adapter, const Settings& settings, const Scene&
   motion.scene = scene;
   motion.step_s = settings.step_s;
   motion.single = variant_of(adapter, settings.variant).precision != "f64";
-  if (adapter.scheme != nullptr) motion.scheme = adapter.scheme(settings);
+  motion.scheme = scheme_of(adapter, settings);
   if (const auto ok = play(adapter, settings, steps, motion); !ok) {
     motion.outcome = to_outcome(ok.error().fault);
     motion.reason = ok.error().reason;

@@ -145,6 +145,9 @@ ParameterValues quantities(const Cell& cell, const Catalogues& catalogues) {
   values["seed"] = static_cast<double>(cell.seed);
   if (const Adapter* adapter = find_adapter(catalogues, cell.engine.engine)) {
     for (const Knob& knob : adapter->knobs) values["knob." + knob.name] = knob.engine_default;
+    for (const auto& [name, value] : variant_of(*adapter, cell.engine.variant).knobs) {
+      values["knob." + name] = value;
+    }
   }
   for (const auto& [name, value] : cell.knobs) values["knob." + name] = value;
   return values;

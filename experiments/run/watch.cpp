@@ -80,8 +80,7 @@ Settings Watch::settings() const {
 void Watch::note_method(const Adapter& adapter, const Simulation& simulation) {
   const AuditView* view = simulation.audit_view();
   const auto used = view != nullptr ? view->audit().settings : std::vector<AuditFact>{};
-  const auto asked =
-      adapter.asked != nullptr ? adapter.asked(scene_.world, settings()) : std::vector<AuditFact>{};
+  const auto asked = asked_of(adapter, scene_.world, settings());
   method_.engine = cell_.engine.label();
   for (const AuditFact& fact : asked) {
     const auto found = std::ranges::find(used, fact.name, &AuditFact::name);

@@ -4,28 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <new>
 
 namespace brickbench {
 namespace {
 
 // This share of a step covers the rounding of time / step of a blow at a step's border.
 constexpr double k_blow_rounding = 1e-9;
-
-// Calls into the engine; what it throws becomes a value.
-template <typename Call>
-Expected<void> guarded(std::size_t step, const Call& call) {
-  try {
-    return call();
-  } catch (const std::bad_alloc&) {
-    return fail(Fault::out_of_memory, fmt::format("the engine ran out of memory in step {}", step));
-  } catch (const std::exception& error) {
-    return fail(Fault::crashed, fmt::format("the engine threw in step {}: {}", step, error.what()));
-  } catch (...) {
-    return fail(Fault::crashed, fmt::format("the engine threw in step {}", step));
-  }
-}
 
 }  // namespace
 
@@ -64,11 +48,6 @@ Expected<void> Stepper::advance() {
   std::ranges::fill(wrenches_, Wrench{});
   if (load_) load_(done_, time_s(), wrenches_);
   ++done_;
-  if (auto stepped = guarded(done_, [&] { return step_once(); }); !stepped) return stepped;
-  return check_finite();
-}
-
-Expected<void> Stepper::step_once() {
   simulation_->apply(wrenches_);
   clock_.start();
   auto result = simulation_->step();
@@ -81,20 +60,10 @@ Expected<void> Stepper::step_once() {
   return {};
 }
 
-Expected<void> Stepper::check_finite() const {
-  const auto bad = std::ranges::find_if_not(states_, is_finite);
-  if (bad == states_.end()) return {};
-  const Body& body = world_->bodies[static_cast<std::size_t>(bad - states_.begin())];
-  return fail(Fault::diverged, fmt::format("body '{}' is not finite after step {} ({} s)",
-                                           body.name, done_, time_s()));
-}
-
 Expected<void> Stepper::resume(std::span<const State> states, std::size_t done) {
-  StateView* view = simulation_->state_view();
-  if (view == nullptr) return fail(Fault::unsupported, "the engine does not take states");
   done_ = done;
   std::ranges::copy(states, states_.begin());
-  return guarded(done_, [&] { return view->set_state(states); });
+  return simulation_->state_view()->set_state(states);
 }
 
 Sample Stepper::sample(bool with_contacts) {

@@ -1,5 +1,5 @@
 // Stepper: the one way in which an engine is stepped. What acts from outside is applied, the step
-// is timed, the states are read and must be finite, and what the engine throws becomes a value.
+// is timed, the states are read, and a failure says in which step it happened.
 #pragma once
 
 #include <functional>
@@ -29,12 +29,10 @@ class Stepper {
   static Expected<Stepper> start(const Adapter& adapter, const World& world,
                                  const Settings& settings, Load load = {});
 
-  // One step. Fails as the engine fails, which the reason says with step and time;
-  // Fault::out_of_memory and Fault::crashed for what it throws; Fault::diverged if a state is not
-  // finite.
+  // One step. Fails as build() of the seam says of steps, with step and time in the reason.
   Expected<void> advance();
-  // The next step is number `done` (0-based) and begins with these states (bodies).
-  // Fault::unsupported if the engine does not take states.
+  // The next step is number `done` (0-based) and begins with these states (bodies). Fails as the
+  // engine fails to take them.
   Expected<void> resume(std::span<const State> states, std::size_t done);
 
   std::size_t done() const { return done_; }  // steps
@@ -51,8 +49,6 @@ class Stepper {
 
  private:
   Stepper(const World& world, const Settings& settings, Load load);
-  Expected<void> step_once();
-  Expected<void> check_finite() const;
 
   const World* world_;
   double step_s_;

@@ -28,7 +28,7 @@ struct Subject {
   World world = brick_above_ground();
 
   std::string label() const { return adapter.name + '/' + settings.variant; }
-  std::vector<AuditFact> asked() const { return adapter.asked(world, settings); }
+  std::vector<AuditFact> asked() const { return asked_of(adapter, world, settings); }
   // What differs between the live engine and the settings asked for; nullopt: it was not built.
   std::optional<std::vector<std::string>> differences(const std::vector<AuditFact>& asked) const {
     const auto built = build(adapter, world, settings);
@@ -64,7 +64,7 @@ bool same(const std::vector<AuditFact>& a, const std::vector<AuditFact>& b) {
 TEST(SettingsAudit, OwnValuesOfEveryVariantArrive) {
   std::string wrong;
   for (const Subject& subject : subjects()) {
-    if (subject.adapter.asked == nullptr || subject.asked().empty()) {
+    if (!subject.adapter.asked || subject.asked().empty()) {
       wrong += subject.label() + " does not say what it asks for; ";
       continue;
     }

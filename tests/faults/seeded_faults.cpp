@@ -41,7 +41,7 @@ World demanding_world();
 void change_a_knob(Settings& settings) {
   const Adapter adapter = correct_adapter();
   const World world = demanding_world();
-  for (const AuditFact& fact : adapter.asked(world, settings)) {
+  for (const AuditFact& fact : asked_of(adapter, world, settings)) {
     if (std::ranges::find(adapter.knobs, fact.name, &Knob::name) == adapter.knobs.end()) continue;
     for (const double factor : {2.0, 0.5}) {
       Settings changed = settings;
@@ -366,10 +366,7 @@ std::span<const SeededFault> seeded_faults() { return k_faults; }
 
 Adapter correct_adapter() {
   for (Adapter& adapter : adapters()) {
-    if (adapter.scheme == nullptr) continue;
-    Settings plain;
-    plain.variant = adapter.variants.front().name;
-    if (!adapter.scheme(plain) || adapter.asked == nullptr) continue;
+    if (!scheme_of(adapter, {}) || !adapter.asked) continue;
     if (build(adapter, demanding_world(), {}).has_value()) return adapter;
   }
   return {};

@@ -38,7 +38,7 @@ TEST(Bullet, CountsASpinThatItClamped) {
 // Up to an eighth of a turn per step the pose follows the spin; beyond, it lags as the scheme says.
 TEST(Bullet, TurnsBeyondAnEighthComeOutAsTheSchemeStates) {
   constexpr double k_pi = 3.14159265358979323846;
-  const Scheme scheme = bullet_adapter().scheme({.variant = "si"}).value();
+  const Scheme scheme = scheme_of(bullet_adapter(), {.variant = "si"}).value();
   EXPECT_EQ(scheme.turn_limit_rad, 0.25 * k_pi);
   for (const double turn_rad : {0.1, 0.78, 0.79, 1.0, 1.3, 1.57}) {
     World world;

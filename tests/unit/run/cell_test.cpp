@@ -43,10 +43,10 @@ TEST(Cell, EveryMishapBecomesRowsWithItsReason) {
   const std::map<std::string, std::string> expected = {
       {"good/plain", "ok: "},
       {"good/fancy", "excluded: left out, on purpose"},
-      {"nan/plain", "diverged: body 'ball' is not finite after step 7 (0.07 s)"},
-      {"thrower/plain", "crashed: the engine threw in step 3: solver, \"lost\"\nit"},
+      {"nan/plain", "diverged: step 7 (0.07 s): the state of body 'ball' is not finite"},
+      {"thrower/plain", "crashed: step 3 (0.03 s): the engine threw: solver, \"lost\"\nit"},
       {"failer/plain", "crashed: step 2 (0.02 s): LCP error, s <= 0"},
-      {"odd/plain", "crashed: the engine threw in step 3"},
+      {"odd/plain", "crashed: step 3 (0.03 s): the engine threw"},
       {"refuser/plain", "refused: friction 0.5 must be 0"}};
   EXPECT_EQ(outcome, expected);
   for (const auto& [label, count] : rows) EXPECT_EQ(count, 4U) << label;

@@ -56,7 +56,8 @@ Adapter fake_adapter(std::string name) {
   Adapter adapter;
   adapter.name = std::move(name);
   adapter.version = "1.0";
-  adapter.variants = {{"plain", "the default"}, {"fancy", "another one", "f32"}};
+  adapter.variants = {{"plain", "the default", "f64", {{"iterations", 10.0}}},
+                      {"fancy", "another one", "f32", {{"iterations", 10.0}}}};
   adapter.knobs = {{"iterations", "1", 10.0, "how often", 1.0, 1000.0, true}};
   adapter.build = [](const World& world,
                      const Settings& settings) -> Expected<std::unique_ptr<Simulation>> {

@@ -38,8 +38,8 @@ class Isolation : public TemporaryFolder {
 TEST_F(Isolation, EveryEndOfAProcessIsARow) {
   const std::map<std::string, std::string> expected = {
       {"good", "ok: "},
-      {"nan", "diverged: body 'ball' is not finite after step 7 (0.07 s)"},
-      {"thrower", "crashed: the engine threw in step 3: solver, \"lost\"\nit"},
+      {"nan", "diverged: step 7 (0.07 s): the state of body 'ball' is not finite"},
+      {"thrower", "crashed: step 3 (0.03 s): the engine threw: solver, \"lost\"\nit"},
       {"refuser", "refused: friction 0.5 must be 0"},
       {"segfault",
        "crashed: the process died of signal SIGSEGV (Segmentation fault) after 2 of 10 steps"},
@@ -67,7 +67,7 @@ TEST_F(Isolation, MemoryBeyondTheLimitIsRefusedToTheEngine) {
   GTEST_SKIP() << "the address sanitizer needs the address space that the limit takes away";
 #endif
   const auto found = outcomes(R"(["eater", "good"])", {.memory_mb = 256});
-  EXPECT_EQ(found.at("eater"), "out_of_memory: the engine ran out of memory in step 3");
+  EXPECT_EQ(found.at("eater"), "out_of_memory: step 3 (0.03 s): the engine ran out of memory");
   EXPECT_EQ(found.at("good"), "ok: ");
 }
 
