@@ -222,18 +222,19 @@ std::optional<Scheme> bullet_scheme(const Settings& settings) {
   // (btConvexPlaneCollisionAlgorithm); two balls or boxes are seen when they touch.
   const double reach_share =
       margin_m > 1e-6 ? gContactBreakingThreshold : std::numeric_limits<double>::infinity();
-  scheme.impulse = {.margin_m = margin_m,
-                    .plane_reach_share = reach_share,
-                    .most_corners = MANIFOLD_CACHE_SIZE,
-                    .approach_allowed = true,
-                    .restitution_threshold_mps = value("restitution_threshold_mps"),
-                    .sum_of_targets = true,
-                    .error_reduction = value("erp"),
-                    .softness_per_kgs = value("cfm")};
+  ImpulseContact contact{.margin_m = margin_m,
+                         .plane_reach_share = reach_share,
+                         .most_corners = MANIFOLD_CACHE_SIZE,
+                         .approach_allowed = true,
+                         .restitution_threshold_mps = value("restitution_threshold_mps"),
+                         .sum_of_targets = true,
+                         .error_reduction = value("erp"),
+                         .softness_per_kgs = value("cfm")};
   if (value("split_impulse") > 0) {
-    scheme.impulse->split_at_gap_m = value("split_impulse_threshold_m");
-    scheme.impulse->split_turn_share = btContactSolverInfo().m_splitImpulseTurnErp;
+    contact.split_at_gap_m = value("split_impulse_threshold_m");
+    contact.split_turn_share = btContactSolverInfo().m_splitImpulseTurnErp;
   }
+  scheme.contact = contact;
   return scheme;
 }
 

@@ -343,16 +343,16 @@ std::optional<Scheme> mujoco_scheme(const Settings& settings) {
     scheme.order = 2.0;  // of the attitude: mj_RungeKutta averages spins of different body frames
   }
   scheme.attitude = AttitudeRule::exponential;
-  scheme.compliant = CompliantContact{.time_constant_s = contact.time_constant_s,
-                                      .damping_ratio = contact.damping_ratio,
-                                      .least_impedance = mjMINIMP,
-                                      .most_impedance = mjMAXIMP,
-                                      // mjc_BoxBox, face contacts: the distance is halved with
-                                      // the point that it belongs to, before it is stored
-                                      .box_gap_share = 0.5};
+  scheme.contact = CompliantContact{.time_constant_s = contact.time_constant_s,
+                                    .damping_ratio = contact.damping_ratio,
+                                    .least_impedance = mjMINIMP,
+                                    .most_impedance = mjMAXIMP,
+                                    // mjc_BoxBox, face contacts: the distance is halved with
+                                    // the point that it belongs to, before it is stored
+                                    .box_gap_share = 0.5};
   // The map counts friction and normal as equally stiff, and knows no second solver.
   if (knob(settings, "impratio") != 1.0 || knob(settings, "noslip_iterations") > 0.0) {
-    scheme.compliant.reset();
+    scheme.contact = {};
   }
   scheme.friction = knob(settings, "cone") > 0.0 ? FrictionSet::circle : FrictionSet::inscribed;
   return scheme;

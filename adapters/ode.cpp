@@ -260,11 +260,11 @@ std::optional<Scheme> ode_scheme(const Settings& settings) {
       value("finite_rotation") > 0 ? AttitudeRule::exponential : AttitudeRule::normalised_euler;
   scheme.friction = value("slip_aligned_friction") > 0 ? FrictionSet::circle : FrictionSet::square;
   if (value("contact_surface_layer_m") > 0) return scheme;  // Scheme has no such layer
-  scheme.impulse = {.restitution_threshold_mps = value("restitution_threshold_mps"),
-                    .error_reduction = value("erp"),
-                    .max_correction_mps = value("max_correcting_velocity_mps"),
-                    .softness_per_kgs = value("cfm"),
-                    .gives_up_at_zero_pivot = settings.variant == "dantzig"};
+  scheme.contact = ImpulseContact{.restitution_threshold_mps = value("restitution_threshold_mps"),
+                                  .error_reduction = value("erp"),
+                                  .max_correction_mps = value("max_correcting_velocity_mps"),
+                                  .softness_per_kgs = value("cfm"),
+                                  .gives_up_at_zero_pivot = settings.variant == "dantzig"};
   return scheme;
 }
 

@@ -69,15 +69,14 @@ std::optional<Scheme> baraff_scheme(const Settings& settings) {
   scheme.attitude = forward_euler ? AttitudeRule::normalised_euler : AttitudeRule::moser_veselov;
   if (!forward_euler) scheme.cut_turn_rad = ourengine::k_largest_turn_rad;
   if (value("max_bisections") > 0.0) return scheme;
-  scheme.sequential =
-      SequentialContact{.margin_m = value("contact_tolerance_m"),
-                        .border_share = ourengine::baraff::k_border_share,
-                        .collision_velocity_mps = value("collision_velocity_mps"),
-                        .most_sweeps = static_cast<int>(value("max_collision_sweeps")),
-                        .velocity_share = value("velocity_share"),
-                        .overlap_share = value("overlap_share"),
-                        .overlap_slop_m = value("overlap_slop_m"),
-                        .slow_hit_steps = ourengine::baraff::Options{}.slow_hit_steps};
+  scheme.contact = SequentialContact{.margin_m = value("contact_tolerance_m"),
+                                     .border_share = ourengine::baraff::k_border_share,
+                                     .collision_velocity_mps = value("collision_velocity_mps"),
+                                     .most_sweeps = static_cast<int>(value("max_collision_sweeps")),
+                                     .velocity_share = value("velocity_share"),
+                                     .overlap_share = value("overlap_share"),
+                                     .overlap_slop_m = value("overlap_slop_m"),
+                                     .slow_hit_steps = ourengine::baraff::Options{}.slow_hit_steps};
   return scheme;
 }
 
@@ -92,7 +91,7 @@ std::optional<Scheme> velocity_scheme(const Settings& settings) {
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = integrator == 0.0 ? AttitudeRule::exponential : AttitudeRule::moser_veselov;
   scheme.cut_turn_rad = ourengine::k_largest_turn_rad;
-  scheme.impulse = ImpulseContact{.margin_m = std::numeric_limits<double>::infinity(),
+  scheme.contact = ImpulseContact{.margin_m = std::numeric_limits<double>::infinity(),
                                   .approach_allowed = true,
                                   .bounces_before_touch = true,
                                   .restitution_threshold_steps = value("resting_approach_steps"),
@@ -109,7 +108,7 @@ std::optional<Scheme> fast_scheme(const Settings& settings) {
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::moser_veselov;
   scheme.cut_turn_rad = ourengine::k_largest_turn_rad;
-  scheme.soft = fast_contact(settings);
+  scheme.contact = fast_contact(settings);
   return scheme;
 }
 

@@ -16,13 +16,18 @@ if(BRICKBENCH_SANITIZE)
   target_link_options(brickbench_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-# brickbench_light(TARGET): no inner loop runs in it, so it is optimised little and built soon.
-function(brickbench_light target)
+function(brickbench_light_options target)
   if(BRICKBENCH_SANITIZE)
     target_compile_options(${target} PRIVATE -O0)
   else()
     target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endif()
+endfunction()
+
+# brickbench_light(TARGET): no inner loop runs in it, so it is optimised little and built soon.
+function(brickbench_light target)
+  brickbench_light_options(${target})
+  brickbench_headers_of(${target} brickbench_headers_light)
 endfunction()
 
 # The presets that are built once and whole set it; while one file is edited, files are better alone.

@@ -6,6 +6,8 @@ if command -v ccache >/dev/null 2>&1; then
   export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   # Paths relative to the checkout: a clone elsewhere finds what another one compiled.
   export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
+  # What it asks for where headers are compiled once.
+  export CCACHE_SLOPPINESS=pch_defines,time_macros
 fi
 
 step() { printf '== %s (%d s)\n' "$*" "$SECONDS"; }

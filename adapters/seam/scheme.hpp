@@ -5,8 +5,8 @@
 
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <string>
+#include <variant>
 
 namespace brickbench {
 
@@ -161,6 +161,10 @@ enum class FrictionSet {
   inscribed,  // |f_1| + |f_2| <= mu N along two fixed tangents
 };
 
+// None: the engine's contact has no map that is predicted here.
+using ContactScheme =
+    std::variant<std::monostate, ImpulseContact, CompliantContact, SoftContact, SequentialContact>;
+
 struct Scheme {
   std::string source;  // author, title, function or equation: where this is documented
   PositionRule position = PositionRule::new_velocity;
@@ -170,12 +174,14 @@ struct Scheme {
   // A turn t beyond this limit comes out as 2 atan(t / limit tan(limit / 2)).
   double turn_limit_rad = std::numeric_limits<double>::infinity();
   double order = 1.0;  // promised order of convergence of smooth motion
-  // At most one of the four; none: the engine's contact has no map that is predicted here.
-  std::optional<ImpulseContact> impulse;
-  std::optional<CompliantContact> compliant;
-  std::optional<SoftContact> soft;
-  std::optional<SequentialContact> sequential;
+  ContactScheme contact;
   FrictionSet friction = FrictionSet::circle;
+
+  // The contact, where it is of that kind, else nullptr.
+  const ImpulseContact* impulse() const { return std::get_if<ImpulseContact>(&contact); }
+  const CompliantContact* compliant() const { return std::get_if<CompliantContact>(&contact); }
+  const SoftContact* soft() const { return std::get_if<SoftContact>(&contact); }
+  const SequentialContact* sequential() const { return std::get_if<SequentialContact>(&contact); }
 };
 
 }  // namespace brickbench

@@ -16,9 +16,12 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+double clamped(const CompliantContact& c, double impedance) {
+  return std::clamp(impedance, c.least_impedance, c.most_impedance);
+}
+
 double impedance(const CompliantContact& c, double gap_m) {
-  const double start = std::clamp(c.impedance_start, c.least_impedance, c.most_impedance);
-  const double end = std::clamp(c.impedance_end, c.least_impedance, c.most_impedance);
+  const double start = clamped(c, c.impedance_start), end = clamped(c, c.impedance_end);
   if (start == end || c.impedance_width_m <= 0.0) return 0.5 * (start + end);
   const double x = std::abs(gap_m) / c.impedance_width_m;
   if (x >= 1.0) return end;
@@ -130,7 +133,7 @@ VectorXd stacked(const Motions& motions) {
 // has 2 mu^2 (1 + mu^2) R.
 Row make_row(const Scheme& scheme, const ExactRun& run, const PointContact& contact,
              std::span<const State> states, const VectorXd& velocity) {
-  const CompliantContact& soft = *scheme.compliant;
+  const CompliantContact& soft = *scheme.compliant();
   const double gap = (contact.boxes ? soft.box_gap_share : 1.0) * contact.gap_m;
   const CompliantLaw law = compliant_law(soft, gap, run.step_s);
   const Matrix3d frame = contact_frame(contact.normal);
@@ -289,7 +292,7 @@ CompliantLaw compliant_law(const CompliantContact& contact, double gap_m, double
   const double time = contact.time_constant_at_least_two_steps
                           ? std::max(contact.time_constant_s, 2.0 * step_s)
                           : contact.time_constant_s;
-  const double end = clamped(contact.impedance_end);
+  const double end = clamped(contact, contact.impedance_end);
   const double rate = end * time * contact.damping_ratio;
   return {.impedance = impedance(contact, gap_m),
           .stiffness_per_s2 = 1.0 / (rate * rate),

@@ -146,9 +146,6 @@ class Recorder {
   std::vector<double> values_;
 };
 
-// The observables of the exact trajectory sampled at the steps; empty if the case has none.
-std::vector<double> measured_trajectory(const ExactRun& run, std::size_t observables);
-
 // What an engine that follows the scheme must measure, in exact arithmetic; nullopt where the
 // scheme does not determine it (turning implicitly on a compliant contact, several contacts, none
 // stated). `why` receives the reason for a nullopt if given.

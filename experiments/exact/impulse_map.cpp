@@ -102,13 +102,13 @@ std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
                              std::span<const Wrench> wrenches, const FreeFall& fall,
                              const std::vector<PointContact>& contacts,
                              std::span<const State> before) {
-  ImpulseContact law_of_step = *scheme.impulse;
+  ImpulseContact law_of_step = *scheme.impulse();
   law_of_step.restitution_threshold_mps = std::max(
       law_of_step.restitution_threshold_mps,
       law_of_step.restitution_threshold_steps * run.step_s * run.world.gravity_mps2.norm());
   std::vector<Row> rows;
   for (const PointContact& contact : contacts) {
-    if (contact.gap_m > margin_m(*scheme.impulse, run.world, contact)) continue;
+    if (contact.gap_m > margin_m(*scheme.impulse(), run.world, contact)) continue;
     Row row;
     row.contact = &contact;
     row.a = arm_of(run.world, contact.body_a, before[contact.body_a], contact);
@@ -126,7 +126,7 @@ std::vector<Row> active_rows(const Scheme& scheme, const ExactRun& run,
     }
     row.inverse_mass = inverse_mass_along(row.a, contact.normal) +
                        inverse_mass_along(row.b, contact.normal) +
-                       scheme.impulse->softness_per_kgs / (run.step_s * contact.points);
+                       scheme.impulse()->softness_per_kgs / (run.step_s * contact.points);
     rows.push_back(row);
   }
   return rows;
@@ -141,7 +141,7 @@ void solve_normals(const Scheme& scheme, double h, std::vector<Row>& rows,
     double change = 0.0;
     for (Row& row : rows) {
       const Vector3d& n = row.contact->normal;
-      const double softness = scheme.impulse->softness_per_kgs / (h * row.contact->points);
+      const double softness = scheme.impulse()->softness_per_kgs / (h * row.contact->points);
       const double lacking =
           row.target_mps - n.dot(slip_velocity(row, states)) - softness * row.impulse_ns;
       const double next = std::max(0.0, row.impulse_ns + lacking / row.inverse_mass);
@@ -176,7 +176,7 @@ void pivot_normals(const Scheme& scheme, const World& world, double h,
       const Row& felt = *ordered[static_cast<std::size_t>(i)];
       response(i, j) = felt.contact->normal.dot(slip_velocity(felt, unit));
     }
-    response(j, j) += scheme.impulse->softness_per_kgs / (h * pushed.contact->points);
+    response(j, j) += scheme.impulse()->softness_per_kgs / (h * pushed.contact->points);
   }
   const Eigen::VectorXd impulses = pivot_in_order(response, lacking);
   for (Eigen::Index j = 0; j < n; ++j) {
@@ -193,7 +193,7 @@ void solve_friction(const Scheme& scheme, const ContactLaw& law, double h, const
   const Vector3d slip = velocity - n.dot(velocity) * n;
   const Vector3d along = n.unitOrthogonal();
   const double response = inverse_mass_along(row.a, along) + inverse_mass_along(row.b, along) +
-                          scheme.impulse->softness_per_kgs / (h * row.contact->points);
+                          scheme.impulse()->softness_per_kgs / (h * row.contact->points);
   push_pair(row,
             friction_impulse(scheme.friction, slip, response, law.friction * row.impulse_ns, n),
             states);
@@ -203,15 +203,15 @@ void solve_friction(const Scheme& scheme, const ContactLaw& law, double h, const
 void shift_split(const Scheme& scheme, const World& world, const Row& row,
                  std::span<State> states) {
   const PointContact& contact = *row.contact;
-  if (contact.gap_m >= 0.0 || contact.gap_m > scheme.impulse->split_at_gap_m) return;
-  const double share = scheme.impulse->error_reduction * -contact.gap_m / row.inverse_mass;
+  if (contact.gap_m >= 0.0 || contact.gap_m > scheme.impulse()->split_at_gap_m) return;
+  const double share = scheme.impulse()->error_reduction * -contact.gap_m / row.inverse_mass;
   const auto move = [&](std::size_t i, double sign) {
     if (world.bodies[i].fixed) return;
     states[i].position_m += sign * share / world.bodies[i].mass_kg * contact.normal;
     const Arm& arm = i == contact.body_a ? row.a : row.b;
     const Vector3d turn_rad = arm.inverse_inertia * arm.lever.cross(sign * share * contact.normal);
     states[i].orientation =
-        (rotation_of(scheme.impulse->split_turn_share * turn_rad) * states[i].orientation)
+        (rotation_of(scheme.impulse()->split_turn_share * turn_rad) * states[i].orientation)
             .normalized();
   };
   move(contact.body_a, -1.0);
@@ -290,7 +290,8 @@ Advance advance_from(const Scheme& scheme, const ExactRun& run, std::span<const 
     }
   }
   const auto unseen = [&](const PointContact& contact) {
-    return std::isfinite(scheme.impulse->plane_reach_share) && is_edge_on_plane(run.world, contact);
+    return std::isfinite(scheme.impulse()->plane_reach_share) &&
+           is_edge_on_plane(run.world, contact);
   };
   if (std::ranges::any_of(contacts, unseen)) {
     why = "a plane finds the corners of a box one per step";
@@ -304,7 +305,7 @@ Advance advance_from(const Scheme& scheme, const ExactRun& run, std::span<const 
     why = "several contacts with friction act in one step";
     return {};
   }
-  if (scheme.impulse->gives_up_at_zero_pivot) {
+  if (scheme.impulse()->gives_up_at_zero_pivot) {
     pivot_normals(scheme, run.world, h, contacts, rows, states);
   } else {
     solve_normals(scheme, h, rows, states);
@@ -368,7 +369,7 @@ ContactGeometry corner_by_corner(const ImpulseContact& law, const ExactRun& run)
 bool advance_impulse(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                      const std::vector<PointContact>& contacts, std::span<State> states,
                      std::string& why) {
-  const FreeFall fall = free_fall(*scheme.impulse, run, wrenches, contacts, states);
+  const FreeFall fall = free_fall(*scheme.impulse(), run, wrenches, contacts, states);
   if (!fall.falls) return advance_from(scheme, run, wrenches, fall, contacts, states, why).done;
   const std::vector<State> start(states.begin(), states.end());
   std::vector<PointContact> met = contacts;

@@ -34,11 +34,11 @@ bool advance_compliant(const Scheme& scheme, const ExactRun& run, std::span<cons
   const Vector3d x0 = states[i].position_m;
   const Vector3d v0 = states[i].velocity_mps;
   const auto acceleration = [&](const Vector3d& x, const Vector3d& v) -> Vector3d {
-    const double share = contact.boxes ? scheme.compliant->box_gap_share : 1.0;
+    const double share = contact.boxes ? scheme.compliant()->box_gap_share : 1.0;
     const double gap = share * (contact.gap_m + n.dot(x - x0));
     if (gap >= 0.0) return free;
-    const double along = compliant_acceleration_mps2(*scheme.compliant, gap, n.dot(v), n.dot(free),
-                                                     contact.points, h);
+    const double along = compliant_acceleration_mps2(*scheme.compliant(), gap, n.dot(v),
+                                                     n.dot(free), contact.points, h);
     return free + (along - n.dot(free)) * n;
   };
   State& s = states[i];
@@ -72,13 +72,13 @@ bool advance(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> 
              std::span<State> states, std::string& why) {
   std::vector<PointContact> contacts;
   if (run.geometry) run.geometry(states, contacts);
-  if (run.geometry && scheme.impulse) {
+  if (run.geometry && scheme.impulse()) {
     return advance_impulse(scheme, run, wrenches, contacts, states, why);
   }
-  if (run.geometry && scheme.sequential) {
+  if (run.geometry && scheme.sequential()) {
     return advance_sequential(scheme, run, wrenches, states, why);
   }
-  if (run.geometry && !scheme.compliant) {
+  if (run.geometry && !scheme.compliant()) {
     why = "the scheme states no contact map";
     return false;
   }
@@ -102,17 +102,17 @@ std::optional<std::vector<double>> discrete_truth(const ExactCase& exact_case, c
   std::string reason;
   std::string& out = why == nullptr ? reason : *why;
   const bool touching = exact_case.needs.contacts != Contacts::none;
-  if (touching && !run.geometry && !scheme.soft) {
+  if (touching && !run.geometry && !scheme.soft()) {
     out = "no closed map: several contacts share the load";
     return std::nullopt;
   }
   Recorder recorder(run, exact_case.observables.size());
   ExactRun seen = run;
-  if (run.geometry && scheme.impulse && std::isfinite(scheme.impulse->plane_reach_share)) {
-    seen.geometry = corner_by_corner(*scheme.impulse, run);
+  if (run.geometry && scheme.impulse() && std::isfinite(scheme.impulse()->plane_reach_share)) {
+    seen.geometry = corner_by_corner(*scheme.impulse(), run);
   }
   std::optional<SoftMap> soft;
-  if (scheme.soft && touching) soft.emplace(scheme, run);
+  if (scheme.soft() && touching) soft.emplace(scheme, run);
   std::vector<Contact> contacts;
   std::vector<State> states;
   for (const Body& body : run.world.bodies) states.push_back(body.initial);

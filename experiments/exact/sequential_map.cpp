@@ -269,9 +269,9 @@ VectorXd gaps_after(const Scheme& scheme, const ExactRun& run,
         middle_s * (run.world.gravity_mps2 + wrenches[i].force_n / body.mass_kg);
     push_momentum(body.inertia_kgm2, middle_s * wrenches[i].torque_nm, moving[i]);
   }
-  const double slowest = scheme.sequential->collision_velocity_mps;
+  const double slowest = scheme.sequential()->collision_velocity_mps;
   const double slow_hit =
-      scheme.sequential->slow_hit_steps * run.step_s * run.world.gravity_mps2.norm();
+      scheme.sequential()->slow_hit_steps * run.step_s * run.world.gravity_mps2.norm();
   const VectorXd now_mps = velocities(run, points, states);
   VectorXd gaps = run.step_s * velocities(run, points, moving);
   for (Index i = 0; i < gaps.size(); ++i) {
@@ -351,7 +351,7 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
 
 bool advance_sequential(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                         std::span<State> states, std::string& why) {
-  const SequentialContact& law = *scheme.sequential;
+  const SequentialContact& law = *scheme.sequential();
   const std::vector<TouchingPoint> points =
       touching_points(run, states, law.margin_m, law.border_share);
   const VectorXd met_mps = velocities(run, points, states);

@@ -36,7 +36,7 @@ float inverse(float x) { return x > 0.0F ? 1.0F / x : 0.0F; }
 
 SoftMap::SoftMap(const Scheme& scheme, const ExactRun& run)
     : scheme_(scheme),
-      soft_(*scheme.soft),
+      soft_(*scheme.soft()),
       run_(run),
       velocity_(run.world.bodies.size()),
       moved_(run.world.bodies.size()) {

@@ -51,35 +51,6 @@ double energy_of(const Pooled& pooled) {
   return 2.0 * sum;
 }
 
-double smirnov_of(const Pooled& pooled) {
-  double largest = 0.0;
-  walk(pooled,
-       [&](double difference, double) { largest = std::max(largest, std::abs(difference)); });
-  return largest;
-}
-
-SampleTest permute(std::span<const double> a, std::span<const double> b,
-                   const PermutationPlan& plan, double (*statistic)(const Pooled&)) {
-  Pooled pooled = pool(a, b);
-  SampleTest test;
-  test.statistic = statistic(pooled);
-  // Relabellings that tie with the samples count as extreme, also where rounding parts them.
-  const double at_least = test.statistic * (1.0 - 1e-12);
-  std::mt19937_64 random(plan.seed);
-  std::size_t extreme = 0;
-  while (test.permutations < plan.permutations && extreme < plan.exceedances) {
-    for (std::size_t i = pooled.from_a.size() - 1; i > 0; --i) {
-      std::swap(pooled.from_a[i], pooled.from_a[random() % (i + 1)]);
-    }
-    ++test.permutations;
-    if (statistic(pooled) >= at_least) ++extreme;
-  }
-  const double drawn = static_cast<double>(test.permutations);
-  test.p_value = extreme >= plan.exceedances ? static_cast<double>(extreme) / drawn
-                                             : (static_cast<double>(extreme) + 1.0) / (drawn + 1.0);
-  return test;
-}
-
 std::vector<std::size_t> ascending(std::span<const double> p_values) {
   std::vector<std::size_t> order(p_values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -98,18 +69,26 @@ double energy_distance(std::span<const double> a, std::span<const double> b) {
   return energy_of(pool(a, b));
 }
 
-double kolmogorov_smirnov(std::span<const double> a, std::span<const double> b) {
-  return smirnov_of(pool(a, b));
-}
-
 SampleTest energy_test(std::span<const double> a, std::span<const double> b,
                        const PermutationPlan& plan) {
-  return permute(a, b, plan, energy_of);
-}
-
-SampleTest kolmogorov_smirnov_test(std::span<const double> a, std::span<const double> b,
-                                   const PermutationPlan& plan) {
-  return permute(a, b, plan, smirnov_of);
+  Pooled pooled = pool(a, b);
+  SampleTest test;
+  test.statistic = energy_of(pooled);
+  // Relabellings that tie with the samples count as extreme, also where rounding parts them.
+  const double at_least = test.statistic * (1.0 - 1e-12);
+  std::mt19937_64 random(plan.seed);
+  std::size_t extreme = 0;
+  while (test.permutations < plan.permutations && extreme < plan.exceedances) {
+    for (std::size_t i = pooled.from_a.size() - 1; i > 0; --i) {
+      std::swap(pooled.from_a[i], pooled.from_a[random() % (i + 1)]);
+    }
+    ++test.permutations;
+    if (energy_of(pooled) >= at_least) ++extreme;
+  }
+  const double drawn = static_cast<double>(test.permutations);
+  test.p_value = extreme >= plan.exceedances ? static_cast<double>(extreme) / drawn
+                                             : (static_cast<double>(extreme) + 1.0) / (drawn + 1.0);
+  return test;
 }
 
 std::vector<bool> holm(std::span<const double> p_values, double alpha) {
@@ -119,18 +98,6 @@ std::vector<bool> holm(std::span<const double> p_values, double alpha) {
     if (p_values[i] > alpha / static_cast<double>(left--)) break;
     rejected[i] = true;
   }
-  return rejected;
-}
-
-std::vector<bool> benjamini_hochberg(std::span<const double> p_values, double rate) {
-  std::vector<bool> rejected(p_values.size(), false);
-  const std::vector<std::size_t> order = ascending(p_values);
-  const double count = static_cast<double>(order.size());
-  std::size_t last = 0;
-  for (std::size_t k = 1; k <= order.size(); ++k) {
-    if (p_values[order[k - 1]] <= rate * static_cast<double>(k) / count) last = k;
-  }
-  for (std::size_t k = 0; k < last; ++k) rejected[order[k]] = true;
   return rejected;
 }
 

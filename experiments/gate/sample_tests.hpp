@@ -31,21 +31,11 @@ std::size_t relabellings_for(std::size_t tests, double level, std::size_t least)
 // values. Samples are not empty and finite.
 double energy_distance(std::span<const double> a, std::span<const double> b);
 
-// Largest difference of the two empirical distribution functions (Kolmogorov-Smirnov).
-double kolmogorov_smirnov(std::span<const double> a, std::span<const double> b);
-
 SampleTest energy_test(std::span<const double> a, std::span<const double> b,
                        const PermutationPlan& plan);
-SampleTest kolmogorov_smirnov_test(std::span<const double> a, std::span<const double> b,
-                                   const PermutationPlan& plan);
-
 // Which hypotheses are rejected so that the chance of any false rejection is at most `alpha`,
 // whatever the dependence (Holm, A simple sequentially rejective multiple test procedure, Scand. J.
 // Statistics 6, 1979). Order of `p_values`.
 std::vector<bool> holm(std::span<const double> p_values, double alpha);
-
-// Which are rejected so that at most the share `rate` of the rejections is expected to be false,
-// for independent tests (Benjamini and Hochberg, J. R. Stat. Soc. B 57, 1995).
-std::vector<bool> benjamini_hochberg(std::span<const double> p_values, double rate);
 
 }  // namespace brickbench::gate

@@ -64,8 +64,8 @@ double height_energy_j(const World& world, std::span<const State> states) {
 }
 
 double soft_time_s(const Motion& motion) {
-  if (!motion.scheme || !motion.scheme->compliant) return 0.0;
-  const CompliantContact& contact = *motion.scheme->compliant;
+  if (!motion.scheme || !motion.scheme->compliant()) return 0.0;
+  const CompliantContact& contact = *motion.scheme->compliant();
   const double least_s = contact.time_constant_at_least_two_steps ? 2.0 * motion.step_s : 0.0;
   return std::max(contact.time_constant_s, least_s);
 }

@@ -92,7 +92,7 @@ std::optional<Sliding> sliding_of(const Motion& motion) {
 
 std::optional<Breach> friction_breach(const Motion& motion) {
   // A spring of finite stiffness holds friction too: such engines creep by their own statement.
-  if (motion.scheme && motion.scheme->compliant) return std::nullopt;
+  if (motion.scheme && motion.scheme->compliant()) return std::nullopt;
   const auto sliding = sliding_of(motion);
   if (!sliding || sliding->way_m < k_way_share * thinnest_m(motion.scene.world)) {
     return std::nullopt;

@@ -117,8 +117,8 @@ Sum sum_of(const World& world, const gate::StepRecord& record, const Scheme& sch
 
 // Speed, m/s, at which the engine may push an overlap apart.
 double push_mps(const Motion& motion, double depth_m) {
-  if (!motion.scheme || !motion.scheme->impulse) return depth_m / motion.step_s;
-  const ImpulseContact& contact = *motion.scheme->impulse;
+  if (!motion.scheme || !motion.scheme->impulse()) return depth_m / motion.step_s;
+  const ImpulseContact& contact = *motion.scheme->impulse();
   return std::min(contact.error_reduction * depth_m / motion.step_s, contact.max_correction_mps);
 }
 

@@ -23,9 +23,9 @@ class Lingering {
  public:
   explicit Lingering(const Motion& motion)
       : world_(motion.scene.world), speeds_mps_(world_.bodies.size(), 0.0) {
-    if (!motion.scheme || !motion.scheme->impulse) return;
-    recovery_ = k_pace_share * motion.scheme->impulse->error_reduction;
-    limit_mps_ = k_pace_share * motion.scheme->impulse->max_correction_mps;
+    if (!motion.scheme || !motion.scheme->impulse()) return;
+    recovery_ = k_pace_share * motion.scheme->impulse()->error_reduction;
+    limit_mps_ = k_pace_share * motion.scheme->impulse()->max_correction_mps;
   }
   void see(std::span<const State> states) {
     for (std::size_t i = 0; i < states.size(); ++i) {

@@ -34,23 +34,4 @@ Expected<void> write_results(const fs::path& folder, const Plan& plan, const Run
   return {};
 }
 
-Expected<Results> read_results(const fs::path& folder) {
-  auto rows = read_csv<Row>(folder / "rows.csv");
-  if (!rows) return tl::unexpected(rows.error());
-  auto timings = read_csv<Timing>(folder / "timings.csv");
-  if (!timings) return tl::unexpected(timings.error());
-  const fs::path file = folder / "provenance.json";
-  const auto text = read_file(file);
-  if (!text) return tl::unexpected(text.error());
-  const auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
-  if (json.is_discarded()) {
-    return fail(Fault::invalid, fmt::format("{}: not JSON", file.string()));
-  }
-  auto provenance = provenance_from_json(json);
-  if (!provenance) {
-    return fail(Fault::invalid, fmt::format("{}: {}", file.string(), provenance.error().reason));
-  }
-  return Results{std::move(*rows), std::move(*timings), std::move(*provenance)};
-}
-
 }  // namespace brickbench

@@ -14,13 +14,4 @@ std::filesystem::path next_results_folder(const std::string& plan_name);
 Expected<void> write_results(const std::filesystem::path& folder, const Plan& plan,
                              const RunResult& result, const Provenance& provenance);
 
-struct Results {
-  std::vector<Row> rows;
-  std::vector<Timing> timings;
-  Provenance provenance;
-};
-
-// Fault::invalid with file and line if something is missing or damaged.
-Expected<Results> read_results(const std::filesystem::path& folder);
-
 }  // namespace brickbench

@@ -352,14 +352,6 @@ const ConeKernels& cone_kernels() {
   return chosen;
 }
 
-double ordered_sum(const double* x, std::size_t n) {
-  double lane[8] = {};
-  for (std::size_t i = 0; i < n; i += 8) {
-    for (std::size_t k = 0; k < 8; ++k) lane[k] += x[i + k];
-  }
-  return ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
-}
-
 double ordered_dot(const double* x, const double* y, std::size_t n) {
   double lane[8] = {};
   for (std::size_t i = 0; i < n; i += 8) {

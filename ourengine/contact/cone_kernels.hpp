@@ -73,8 +73,7 @@ struct ConeKernels {
 
 const ConeKernels& cone_kernels();
 
-// Sum and maximum in a fixed order over `n` (multiple of 8) entries.
-double ordered_sum(const double* x, std::size_t n);
+// Scalar product and maximum in a fixed order over `n` (multiple of 8) entries.
 double ordered_dot(const double* x, const double* y, std::size_t n);
 double ordered_max(const double* x, std::size_t n);
 

@@ -68,18 +68,4 @@ std::string problem_error(const ContactProblem& problem) {
   return "";
 }
 
-const char* status_name(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kSolved:
-      return "solved";
-    case SolveStatus::kMaxIterations:
-      return "max_iterations";
-    case SolveStatus::kStalled:
-      return "stalled";
-    case SolveStatus::kUnsuitable:
-      return "unsuitable";
-  }
-  return "unknown";
-}
-
 }  // namespace ourengine

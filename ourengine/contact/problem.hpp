@@ -88,7 +88,4 @@ double normal_bias_mps(const ProblemContact& contact, double step_s, double reco
 // what is wrong with which entry.
 std::string problem_error(const ContactProblem& problem);
 
-// "solved", "max_iterations", "stalled", "unsuitable".
-const char* status_name(SolveStatus status);
-
 }  // namespace ourengine

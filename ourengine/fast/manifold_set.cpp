@@ -49,7 +49,7 @@ void move_along(SoftManifold& manifold, std::span<const Motion> motions,
 
 // Points of `made` that continue points of `old` take their impulses.
 void inherit(const SoftManifold& old, SoftManifold& made, double thin_m) {
-  if (old.normal_in_a.dot(made.normal_in_a) < k_same_normal) return;
+  if (old.normal_in_a.dot(made.normal_in_a) < ManifoldSet::k_same_normal) return;
   std::array<bool, SoftManifold::k_points> taken{};
   for (std::size_t p = 0; p < at(made.count); ++p) {
     double nearest = ManifoldSet::k_same_point * ManifoldSet::k_same_point * thin_m * thin_m;

@@ -13,7 +13,6 @@ constexpr std::array k_dashes = {"", "7 3", "2 3", "9 3 2 3"};
 }  // namespace
 
 std::string palette_colour(std::size_t index) { return k_colours[index % k_colours.size()]; }
-std::size_t palette_size() { return k_colours.size(); }
 std::string palette_dash(std::size_t index) {
   // Neighbours differ in dash as well as in colour.
   return k_dashes[(index + index / k_colours.size()) % k_dashes.size()];

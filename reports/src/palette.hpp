@@ -9,9 +9,8 @@ namespace brickbench {
 
 // Colours after Okabe and Ito, "Color Universal Design" (2008), without yellow and black, which
 // vanish on one of the two backgrounds; the rest after Tol, "Colour Schemes" (SRON/EPS/TN/09-002).
-// "#0072b2"; repeats after palette_size().
+// "#0072b2"; repeats after the tenth.
 std::string palette_colour(std::size_t index);
-std::size_t palette_size();
 
 // SVG stroke-dasharray, "" for a solid line. Tells engines apart where colours do not.
 std::string palette_dash(std::size_t index);

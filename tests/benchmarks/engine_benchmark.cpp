@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
-#include "ourengine/collision/box_batch.hpp"
 #include "ourengine/fast/fast_dynamics.hpp"
 #include "ourengine/integration/rotation.hpp"
+#include "tests/support/box_batch.hpp"
 #include "tests/unit/ourengine/dynamics/wall.hpp"
 
 namespace ourengine {

@@ -33,8 +33,9 @@ Scheme compliant_scheme(PositionRule position) {
   scheme.position = position;
   scheme.gyroscopic = position == PositionRule::runge_kutta_4 ? GyroscopicRule::runge_kutta_4
                                                               : GyroscopicRule::explicit_body;
-  scheme.compliant = CompliantContact{.time_constant_s = 0.002};
-  scheme.compliant->impedance_start = scheme.compliant->impedance_end = 0.9;
+  scheme.contact = CompliantContact{.time_constant_s = 0.002};
+  std::get<CompliantContact>(scheme.contact).impedance_start =
+      std::get<CompliantContact>(scheme.contact).impedance_end = 0.9;
   return scheme;
 }
 

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "experiments/exact/draw.hpp"
+#include "tests/exact/measured_trajectory.hpp"
 #include "tests/exact/random_parameters.hpp"
 
 namespace brickbench::exact {
@@ -120,7 +121,7 @@ TEST(Domain, LetsEveryTruthBeSeen) {
     for (const ParameterValues& given : drawings_of(exact_case, 4, k_played).inside) {
       const ExactRun run = build(exact_case, given).value();
       if (!run.trajectory || exact_case.needs.contact_forces) continue;
-      const auto values = measured_trajectory(run, exact_case.observables.size());
+      const auto values = testing::measured_trajectory(run, exact_case.observables.size());
       for (std::size_t i = 0; i < values.size(); ++i) {
         EXPECT_EQ(std::isnan(values[i]), std::isnan(run.truths[i].value))
             << described(exact_case, given) << ": " << exact_case.observables[i].name;

@@ -38,7 +38,7 @@ Scheme scheme(PositionRule position) {
 
 Scheme impulse_scheme() {
   Scheme s;
-  s.impulse = ImpulseContact{};
+  s.contact = ImpulseContact{};
   return s;
 }
 
@@ -59,9 +59,9 @@ TEST(SchemeMap, PlaneThatLooksAheadEatsTheRebound) {
   run.world.gravity_mps2.setZero();
   run.geometry = sphere_contact(0, 1, 0.1, true);
   Scheme s = impulse_scheme();
-  s.impulse->margin_m = 1e18;
-  s.impulse->plane_reach_share = 0.02;
-  s.impulse->approach_allowed = true;
+  std::get<ImpulseContact>(s.contact).margin_m = 1e18;
+  std::get<ImpulseContact>(s.contact).plane_reach_share = 0.02;
+  std::get<ImpulseContact>(s.contact).approach_allowed = true;
   std::vector<State> states = {run.world.bodies[0].initial, run.world.bodies[1].initial};
   const std::vector<Wrench> wrenches(2);
   std::string why;
@@ -76,9 +76,9 @@ TEST(SchemeMap, PlaneThatSeesOneCornerTurnsALevelEdge) {
   // The rod of impact.rod comes 1 mm per step from 10.5 mm: from 0.5 mm, e v - gap/h is 1 - 1 m/s,
   // which stops the corner at +y; the other one, as low, is not seen.
   Scheme s = impulse_scheme();
-  s.impulse->margin_m = 1e18;
-  s.impulse->plane_reach_share = 0.02;
-  s.impulse->approach_allowed = true;
+  std::get<ImpulseContact>(s.contact).margin_m = 1e18;
+  std::get<ImpulseContact>(s.contact).plane_reach_share = 0.02;
+  std::get<ImpulseContact>(s.contact).approach_allowed = true;
   const ExactCase exact_case = testing::find_case("impact.rod");
   const ExactRun run = build(exact_case).value();
   const std::vector<double> values = discrete("impact.rod", s);
@@ -192,7 +192,7 @@ TEST(SchemeMap, ConvergesWithTheOrderOfEachScheme) {
 TEST(SchemeMap, BouncingBallFollowsTheWrittenOutRecurrence) {
   Worst worst;
   Scheme s = impulse_scheme();
-  s.impulse->error_reduction = 0.2;
+  std::get<ImpulseContact>(s.contact).error_reduction = 0.2;
   const double h = 0.001, g = k_gravity_mps2, e = 0.8, r = 0.1;
   double z = 1.0 + r, v = 0.0, before = 0.0;
   std::vector<double> times;
@@ -295,9 +295,9 @@ TEST(SchemeMap, CradleHitAtOnceFollowsNewtonsComplementarity) {
 
 TEST(SchemeMap, SoftnessAndSplitCorrectionActAsWrittenDown) {
   Scheme s = impulse_scheme();
-  s.impulse->error_reduction = 0.2;
-  s.impulse->softness_per_kgs = 1e-3;
-  s.impulse->split_at_gap_m = 0.0;
+  std::get<ImpulseContact>(s.contact).error_reduction = 0.2;
+  std::get<ImpulseContact>(s.contact).softness_per_kgs = 1e-3;
+  std::get<ImpulseContact>(s.contact).split_at_gap_m = 0.0;
   ExactRun run = build(testing::find_case("impact.flat_landing")).value();
   std::vector<State> states = {run.world.bodies[0].initial, run.world.bodies[1].initial};
   states[1].position_m.z() = 0.125 - 0.01;
@@ -336,8 +336,9 @@ TEST(SchemeMap, CompliantContactBalancesItsForces) {
 TEST(SchemeMap, RestsAtTheDepthThatCarriesTheWeight) {
   // At rest a = v = 0: (1-d) a_free + n d a_ref = 0 with a_ref = k d depth.
   Scheme s;
-  s.compliant = CompliantContact{};
-  s.compliant->impedance_start = s.compliant->impedance_end = 0.9;
+  s.contact = CompliantContact{};
+  std::get<CompliantContact>(s.contact).impedance_start =
+      std::get<CompliantContact>(s.contact).impedance_end = 0.9;
   const std::vector<double> values =
       discrete("impact.ball_landing", s, {{"duration_s", 2.0}, {"height_m", 0.01}});
   const double d = 0.9, stiffness = 1.0 / (d * d * 0.02 * 0.02);
@@ -356,7 +357,7 @@ TEST(SchemeMap, SaysWhyItClaimsNothing) {
     return why;
   };
   Scheme compliant;
-  compliant.compliant = CompliantContact{};
+  compliant.contact = CompliantContact{};
   EXPECT_FALSE(reason("impact.ball_apexes", compliant).empty());
   EXPECT_FALSE(reason("friction.sliding_stop", compliant).empty());
   EXPECT_FALSE(reason("impact.corner", compliant).empty());

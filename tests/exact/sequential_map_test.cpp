@@ -31,14 +31,14 @@ Scheme sequential_scheme(double share) {
   scheme.position = PositionRule::old_velocity;
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::normalised_euler;
-  scheme.sequential = SequentialContact{.margin_m = 1e-6,
-                                        .border_share = 1e-6,
-                                        .collision_velocity_mps = 1e-3,
-                                        .most_sweeps = 20000,
-                                        .velocity_share = share,
-                                        .overlap_share = share,
-                                        .overlap_slop_m = 1e-7,
-                                        .slow_hit_steps = 2.0};
+  scheme.contact = SequentialContact{.margin_m = 1e-6,
+                                     .border_share = 1e-6,
+                                     .collision_velocity_mps = 1e-3,
+                                     .most_sweeps = 20000,
+                                     .velocity_share = share,
+                                     .overlap_share = share,
+                                     .overlap_slop_m = 1e-7,
+                                     .slow_hit_steps = 2.0};
   return scheme;
 }
 

@@ -49,24 +49,24 @@ Scheme soft_scheme() {
   scheme.gyroscopic = GyroscopicRule::spatial_momentum;
   scheme.attitude = AttitudeRule::moser_veselov;
   scheme.cut_turn_rad = 0.02;
-  scheme.soft = SoftContact{.substeps = 20,
-                            .frequency_hz = 1e9,
-                            .damping_ratio = 5.0,
-                            .push_limit_mps = 3.0,
-                            .margin_m = 5e-4,
-                            .resting_approach_mps = 0.1,
-                            .keep_share = 1e-3,
-                            .same_point_share = 0.1,
-                            .same_normal = 0.9,
-                            .boxes = k_boxes,
-                            .too_deep_share = 0.5,
-                            .most_trials = 8,
-                            .most_sweeps = 8,
-                            .rebound_share = 1e-5,
-                            .rebound_sweeps = 32,
-                            .small_turn_rad = 1e-3,
-                            .turn_limit_rad = 0.5,
-                            .energy_share = 1e-6};
+  scheme.contact = SoftContact{.substeps = 20,
+                               .frequency_hz = 1e9,
+                               .damping_ratio = 5.0,
+                               .push_limit_mps = 3.0,
+                               .margin_m = 5e-4,
+                               .resting_approach_mps = 0.1,
+                               .keep_share = 1e-3,
+                               .same_point_share = 0.1,
+                               .same_normal = 0.9,
+                               .boxes = k_boxes,
+                               .too_deep_share = 0.5,
+                               .most_trials = 8,
+                               .most_sweeps = 8,
+                               .rebound_share = 1e-5,
+                               .rebound_sweeps = 32,
+                               .small_turn_rad = 1e-3,
+                               .turn_limit_rad = 0.5,
+                               .energy_share = 1e-6};
   return scheme;
 }
 
@@ -104,7 +104,7 @@ TEST(SoftMap, RestsAtTheDepthOfItsSpring) {
 
 TEST(SoftMap, PushesOverlapsOutAtItsRate) {
   Scheme scheme = soft_scheme();
-  scheme.soft->substeps = 1;
+  std::get<SoftContact>(scheme.contact).substeps = 1;
   ExactRun run = ball_on_ground({}, at({0.0, 0.0, k_radius_m - 1e-3}));
   run.step_s = 1.0 / 4800.0;
   run.world.gravity_mps2.setZero();
@@ -195,8 +195,9 @@ TEST(SoftMap, FaceReboundsByNewtonsLaw) {
 TEST(SoftMap, CornersOfAFaceAreServedInTheirOrder) {
   constexpr double k_gap_m = 1e-4, k_fall_mps = 2.0;
   Scheme scheme = soft_scheme();
-  scheme.soft->substeps = 1;
-  scheme.soft->resting_approach_mps = 2.0 * k_fall_mps;  // no hit that Newton's law would settle
+  std::get<SoftContact>(scheme.contact).substeps = 1;
+  std::get<SoftContact>(scheme.contact).resting_approach_mps =
+      2.0 * k_fall_mps;  // no hit that Newton's law would settle
   ExactRun run = brick_on_slab({}, {0.0, 0.0, -k_fall_mps}, {0, 0, 0});
   run.step_s = 1.0 / 4800.0;
   run.world.gravity_mps2.setZero();
@@ -241,7 +242,7 @@ TEST(SoftMap, CornersOfAFaceAreServedInTheirOrder) {
 // cut; 5 cm/s is not.
 TEST(SoftMap, RepeatsSweepsThatLeaveAFaceTooDeep) {
   Scheme scheme = soft_scheme();
-  scheme.soft->substeps = 1;
+  std::get<SoftContact>(scheme.contact).substeps = 1;
   const auto sweeps = [&](double fall_mps) {
     const ExactRun run = brick_on_slab({}, {0.0, 0.0, -fall_mps}, {0, 0, 0});
     std::vector<State> states = {run.world.bodies[0].initial, run.world.bodies[1].initial};

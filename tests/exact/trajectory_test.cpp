@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/exact/builders.hpp"
+#include "tests/exact/measured_trajectory.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 
@@ -122,7 +123,7 @@ TEST(Trajectory, YieldsTheStatedTruths) {
         sampled(exact_case) ? ParameterValues{} : testing::random_parameters(exact_case, generator);
     const ExactRun run = build(exact_case, given).value();
     if (!run.trajectory || exact_case.needs.contact_forces) continue;
-    const auto values = measured_trajectory(run, exact_case.observables.size());
+    const auto values = testing::measured_trajectory(run, exact_case.observables.size());
     for (std::size_t i = 0; i < values.size(); ++i) {
       const std::string where = exact_case.id + " " + exact_case.observables[i].name;
       const double error = (values[i] - run.truths[i].value) / run.truths[i].scale;

@@ -20,6 +20,7 @@
 #include "experiments/run/results.hpp"
 #include "reports/src/markdown_report.hpp"
 #include "tests/output/program.hpp"
+#include "tests/output/results_reader.hpp"
 
 namespace brickbench::testing {
 namespace {

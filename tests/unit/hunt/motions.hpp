@@ -9,7 +9,7 @@ namespace brickbench::hunt::testing {
 
 inline Scheme semi_implicit() {
   Scheme scheme;
-  scheme.impulse = ImpulseContact{};
+  scheme.contact = ImpulseContact{};
   return scheme;
 }
 

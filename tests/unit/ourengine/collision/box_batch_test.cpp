@@ -1,4 +1,4 @@
-#include "ourengine/collision/box_batch.hpp"
+#include "tests/support/box_batch.hpp"
 
 #include <gtest/gtest.h>
 

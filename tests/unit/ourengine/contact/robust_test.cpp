@@ -14,6 +14,20 @@
 namespace brickbench::testing {
 namespace {
 
+const char* status_name(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kSolved:
+      return "solved";
+    case SolveStatus::kMaxIterations:
+      return "max_iterations";
+    case SolveStatus::kStalled:
+      return "stalled";
+    case SolveStatus::kUnsuitable:
+      return "unsuitable";
+  }
+  return "unknown";
+}
+
 using ourengine::contact_residual;
 using ourengine::ContactLaw;
 using ourengine::solve_exact;

@@ -1,7 +1,7 @@
-#include "ourengine/collision/box_batch.hpp"
+#include "tests/support/box_batch.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "ourengine/collision/box_batch.cpp"
+#define HWY_TARGET_INCLUDE "tests/support/box_batch.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
