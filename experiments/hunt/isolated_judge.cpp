@@ -20,7 +20,7 @@ void limit_cpu() {
 }  // namespace
 
 Expected<Isolated> start_judging(const Trial& trial, const Catalogues& catalogues) {
-  const auto work = [&](const StepCallback&) {
+  const auto work = [&](const Isolated::Progress&) {
     limit_cpu();
     return to_json(judge(trial, catalogues)).dump();
   };
@@ -29,7 +29,7 @@ Expected<Isolated> start_judging(const Trial& trial, const Catalogues& catalogue
 
 Expected<Isolated> start_shrinking(const Trial& trial, const Verdict& verdict,
                                    const std::string& oracle, const Catalogues& catalogues) {
-  const auto work = [&](const StepCallback&) {
+  const auto work = [&](const Isolated::Progress&) {
     const Judge probe = [&](const Trial& candidate) {
       return judge_isolated(candidate, catalogues);
     };

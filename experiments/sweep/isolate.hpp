@@ -7,7 +7,6 @@
 #include <string>
 
 #include "adapters/seam/failure.hpp"
-#include "experiments/run/run_cell.hpp"
 
 namespace brickbench {
 
@@ -30,7 +29,9 @@ struct Ended {
 // A running process. The parent must have one thread only when it starts one.
 class Isolated {
  public:
-  using Work = std::function<std::string(const StepCallback&)>;
+  // Tells how much of the work is done, 0..1; true: go on.
+  using Progress = std::function<bool(double share)>;
+  using Work = std::function<std::string(const Progress&)>;
 
   // Runs `work` in a copy of this process: signals at their defaults, nothing to read on standard
   // input, no core file. It dies when its parent does. Fault::crashed if the system refuses.

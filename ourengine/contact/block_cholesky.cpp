@@ -12,8 +12,9 @@ void make_room(AlignedDoubles& store, std::size_t doubles) {
 
 }  // namespace
 
-bool BlockCholesky::factor(const ContactSystem& system, const AlignedDoubles& d) {
-  fronts_ = system.fronts();
+bool BlockCholesky::factor(const SystemView& system, const FrontalView& fronts,
+                           const AlignedDoubles& d) {
+  fronts_ = fronts;
   make_room(panels_, fronts_.fronts->panel_doubles);
   make_room(updates_, fronts_.fronts->update_doubles);
   make_room(scratch_, fronts_.fronts->scratch_doubles * static_cast<std::size_t>(threads()));
@@ -23,7 +24,7 @@ bool BlockCholesky::factor(const ContactSystem& system, const AlignedDoubles& d)
   const auto factor = [&](const FrontTask& task, std::size_t thread) {
     const FrontStores stores = {panels_.data(), updates_.data(),
                                 scratch_.data() + thread * fronts_.fronts->scratch_doubles};
-    if (!kernels_->factor_fronts(system.view(), fronts_, d.data(), task, stores))
+    if (!kernels_->factor_fronts(system, fronts_, d.data(), task, stores))
       positive.store(false, std::memory_order_relaxed);
   };
   for_subtrees(factor);

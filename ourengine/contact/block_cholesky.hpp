@@ -1,11 +1,10 @@
-// Sparse Cholesky of H = M + J^T D J in 6x6 blocks, on the fronts kept by a ContactSystem.
+// Sparse Cholesky of H = M + J^T D J in 6x6 blocks, on given fronts.
 #pragma once
 
 #include <memory>
 #include <utility>
 
 #include "ourengine/contact/kernels.hpp"
-#include "ourengine/contact/system.hpp"
 #include "ourengine/parallel/worker_pool.hpp"
 
 namespace ourengine {
@@ -16,8 +15,8 @@ class BlockCholesky {
 
   // Assembles and factors H for the weights D (layout: Kernels::factor_fronts). The buffers are
   // kept from call to call. False if H is not positive definite to rounding.
-  bool factor(const ContactSystem& system, const AlignedDoubles& d);
-  // x = H^-1 x; per-body layout. `system` of the last factor() must be alive.
+  bool factor(const SystemView& system, const FrontalView& fronts, const AlignedDoubles& d);
+  // x = H^-1 x; per-body layout. What the views of the last factor() look at must be alive.
   void solve(AlignedDoubles& x);
 
   // Threads that share the work from now on; null: none. They change no bit of a result.

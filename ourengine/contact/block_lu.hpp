@@ -1,11 +1,12 @@
-// Sparse LU of H = M + J^T D J in 6x6 blocks for weights D that are not symmetric, on the pattern
-// kept by a ContactSystem. No pivoting between blocks: the caller checks what it gets.
+// Sparse LU of H = M + J^T D J in 6x6 blocks for weights D that are not symmetric, on a given
+// pattern. No pivoting between blocks: the caller checks what it gets.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "ourengine/contact/kernels.hpp"
-#include "ourengine/contact/system.hpp"
+#include "ourengine/contact/ordering.hpp"
 
 namespace ourengine {
 
@@ -13,8 +14,10 @@ class BlockLu {
  public:
   explicit BlockLu(const Kernels& kernels = simd_kernels()) : kernels_(&kernels) {}
 
-  // D per contact: D_kl at (3 k + l) * stride. False if a diagonal block was singular.
-  bool factor(const ContactSystem& system, const AlignedDoubles& d);
+  // D per contact: D_kl at (3 k + l) * stride; targets: where each pair of bodies is in the
+  // pattern, which must outlive the solves. False if a diagonal block was singular.
+  bool factor(const SystemView& system, std::span<const PairTarget> targets,
+              const BlockPattern& pattern, const AlignedDoubles& d);
   // x = H^-1 x; per-body layout.
   void solve(AlignedDoubles& x) const;
 

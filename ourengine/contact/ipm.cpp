@@ -169,7 +169,7 @@ class OrthantMethod {
       }
       if (guess > 0 && changed == 0) break;
       ++polishes_;
-      if (!cholesky_.factor(system_, d_polish_)) break;
+      if (!cholesky_.factor(system_.view(), system_.fronts(), d_polish_)) break;
       solve_loaded(v, f, w);
       kept_f_ = f;
       for (double& impulse : kept_f_) impulse = std::max(impulse, 0.0);
@@ -245,7 +245,7 @@ class OrthantMethod {
     cone_kernels().orthant_scaling(o_);
     for (std::size_t i = count(); i < n_; ++i) o_.d[i] = 0.0;
     d_.assign(o_.d, o_.d + n_);
-    if (!cholesky_.factor(system_, d_)) return false;
+    if (!cholesky_.factor(system_.view(), system_.fronts(), d_)) return false;
     // momentum_ = J^T f - M (v - v_free)
     for (std::size_t i = 0; i < v_.size(); ++i) change_[i] = system_.free_velocity()[i] - v_[i];
     system_.multiply_mass(change_, momentum_);

@@ -125,7 +125,10 @@ class ProximalNewton {
     return std::sqrt(square / std::max(1, system_.bodies())) / system_.scale_mps();
   }
 
-  bool factor() { return lagged_ ? cholesky_.factor(system_, d_) : lu_.factor(system_, d_); }
+  bool factor() {
+    return lagged_ ? cholesky_.factor(system_.view(), system_.fronts(), d_)
+                   : lu_.factor(system_.view(), system_.targets(), system_.symbolic().pattern, d_);
+  }
   void solve(AlignedDoubles& x) const { lagged_ ? cholesky_.solve(x) : lu_.solve(x); }
 
   bool solve_inner(double goal, int limit) {

@@ -116,7 +116,7 @@ class ConeMethod {
     cone_kernels().scaling(c_);
     for (std::size_t k = 0; k < 6; ++k)
       std::fill(c_.d + k * n_ + count(), c_.d + (k + 1) * n_, 0.0);
-    if (!cholesky_.factor(system_, d_)) return false;
+    if (!cholesky_.factor(system_.view(), system_.fronts(), d_)) return false;
     for (std::size_t i = 0; i < v_.size(); ++i) change_[i] = system_.free_velocity()[i] - v_[i];
     system_.multiply_mass(change_, momentum_);
     simd_kernels().multiply_jt(system_.view(), f_.data(), momentum_.data());

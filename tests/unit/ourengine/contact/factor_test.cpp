@@ -133,7 +133,7 @@ TEST_P(Factor, CholeskyAgainstDense) {
       }
     }
     BlockCholesky cholesky(kernels());
-    ASSERT_TRUE(cholesky.factor(system, weights));
+    ASSERT_TRUE(cholesky.factor(system.view(), system.fronts(), weights));
     AlignedDoubles x = body_vector(system);
     const Eigen::VectorXd expected = h.partialPivLu().solve(packed(system, x));
     cholesky.solve(x);
@@ -153,7 +153,7 @@ TEST_P(Factor, CholeskySolvesLargeWalls) {
     AlignedDoubles weights(system.stride(), 0.0);
     for (int i = 0; i < system.contacts(); ++i) weights[at(i)] = std::exp(normal_(random_));
     BlockCholesky cholesky(kernels());
-    ASSERT_TRUE(cholesky.factor(system, weights));
+    ASSERT_TRUE(cholesky.factor(system.view(), system.fronts(), weights));
     const AlignedDoubles b = body_vector(system);
     AlignedDoubles x = b, product, w(system.rows());
     cholesky.solve(x);
@@ -181,7 +181,7 @@ TEST_P(Factor, LuAgainstDense) {
     for (int k = 0; k < 9; ++k) weights[at(k) * system.stride() + at(i)] = weight(k / 3, k % 3);
   }
   BlockLu lu(kernels());
-  ASSERT_TRUE(lu.factor(system, weights));
+  ASSERT_TRUE(lu.factor(system.view(), system.targets(), system.symbolic().pattern, weights));
   AlignedDoubles x = body_vector(system);
   const Eigen::VectorXd expected = h.partialPivLu().solve(packed(system, x));
   lu.solve(x);
@@ -197,7 +197,7 @@ TEST_P(Factor, CholeskyReportsAnIndefiniteMatrix) {
   AlignedDoubles weights(system.stride(), 0.0);
   weights[0] = -1e4;
   BlockCholesky cholesky(kernels());
-  EXPECT_FALSE(cholesky.factor(system, weights));
+  EXPECT_FALSE(cholesky.factor(system.view(), system.fronts(), weights));
 }
 
 INSTANTIATE_TEST_SUITE_P(
