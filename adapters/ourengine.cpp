@@ -80,7 +80,7 @@ std::optional<Scheme> baraff_scheme(const Settings& settings) {
   return scheme;
 }
 
-// The velocity-level engine as ourengine/dynamics/dynamics.hpp and normal_bias_mps() state it.
+// The velocity-level engine as ourengine/exact/dynamics.hpp and normal_bias_mps() state it.
 std::optional<Scheme> velocity_scheme(const Settings& settings) {
   const auto value = [&](std::string_view name) { return knob(settings, name); };
   const double integrator = value("integrator");

@@ -8,7 +8,7 @@
 #include "adapters/seam/scheme.hpp"
 #include "ourengine/baraff/simulator.hpp"
 #include "ourengine/contact/solvers.hpp"
-#include "ourengine/dynamics/dynamics.hpp"
+#include "ourengine/exact/dynamics.hpp"
 #include "ourengine/fast/fast_dynamics.hpp"
 
 namespace brickbench {

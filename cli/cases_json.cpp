@@ -1,6 +1,6 @@
 #include "cli/cases_json.hpp"
 
-#include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
 
 namespace brickbench {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/exact/scan.hpp"
+#include "experiments/exact/validation/scan.hpp"
 
 namespace brickbench {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "experiments/gate/equivalence.hpp"
+#include "experiments/regression/equivalence.hpp"
 
 namespace brickbench {
 namespace {

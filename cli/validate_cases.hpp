@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/exact/open_questions.hpp"
+#include "experiments/exact/validation/open_questions.hpp"
 #include "experiments/run/catalogues.hpp"
 #include "experiments/run/selector.hpp"
 

@@ -8,8 +8,8 @@
 #include "cli/complain.hpp"
 #include "cli/json_number.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/exact/metamorphic.hpp"
-#include "experiments/exact/stable_step.hpp"
+#include "experiments/exact/validation/metamorphic.hpp"
+#include "experiments/exact/validation/stable_step.hpp"
 
 namespace brickbench {
 namespace {

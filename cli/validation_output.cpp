@@ -6,7 +6,7 @@
 #include <set>
 
 #include "cli/report_output.hpp"
-#include "experiments/exact/validate.hpp"
+#include "experiments/exact/validation/validate.hpp"
 #include "experiments/record/provenance.hpp"
 
 namespace brickbench {

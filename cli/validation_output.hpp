@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
 #include "experiments/run/catalogues.hpp"
 #include "experiments/run/selector.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "cli/complain.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/gate/check.hpp"
 #include "experiments/record/file.hpp"
+#include "experiments/regression/check.hpp"
 
 namespace brickbench {
 namespace {

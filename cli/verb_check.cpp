@@ -9,8 +9,8 @@
 #include "cli/json_number.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/gate/check.hpp"
 #include "experiments/record/file.hpp"
+#include "experiments/regression/check.hpp"
 #include "experiments/run/plan_files.hpp"
 
 namespace brickbench {

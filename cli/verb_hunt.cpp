@@ -11,7 +11,7 @@
 #include "cli/hunt_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/exact/validate.hpp"
+#include "experiments/exact/validation/validate.hpp"
 #include "experiments/hunt/hunt.hpp"
 #include "experiments/hunt/isolated_judge.hpp"
 #include "experiments/hunt/plan_text.hpp"

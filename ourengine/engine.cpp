@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "ourengine/contact/solvers.hpp"
-#include "ourengine/dynamics/dynamics.hpp"
+#include "ourengine/exact/dynamics.hpp"
 #include "ourengine/fast/fast_dynamics.hpp"
 
 namespace ourengine {

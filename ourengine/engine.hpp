@@ -14,7 +14,7 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "ourengine/dynamics/model.hpp"
+#include "ourengine/model/body_model.hpp"
 
 namespace ourengine {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/exact/metamorphic.hpp"
+#include "experiments/exact/validation/metamorphic.hpp"
 #include "experiments/hunt/bounds.hpp"
 #include "experiments/hunt/dice.hpp"
 #include "experiments/hunt/extent.hpp"

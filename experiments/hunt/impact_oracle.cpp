@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/exact/scheme_map.hpp"
-#include "experiments/gate/contact_candidates.hpp"
+#include "experiments/exact/schemes/scheme_map.hpp"
 #include "experiments/hunt/bounds.hpp"
 #include "experiments/hunt/extent.hpp"
 #include "experiments/hunt/oracles.hpp"
 #include "experiments/metrics/deepest_overlap.hpp"
+#include "experiments/oracle/contact_candidates.hpp"
 
 namespace brickbench::hunt {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "experiments/hunt/shrink.hpp"
-#include "experiments/sweep/isolate.hpp"
+#include "experiments/process/isolate.hpp"
 
 namespace brickbench::hunt {
 

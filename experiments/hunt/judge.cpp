@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "experiments/exact/validate.hpp"
+#include "experiments/exact/validation/validate.hpp"
 #include "experiments/hunt/image_oracle.hpp"
 #include "experiments/hunt/motion.hpp"
 

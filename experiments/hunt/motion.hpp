@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adapters/seam/adapter.hpp"
-#include "experiments/gate/step_laws.hpp"
+#include "experiments/oracle/step_laws.hpp"
 #include "experiments/scenarios/scenario.hpp"
 
 namespace brickbench::hunt {

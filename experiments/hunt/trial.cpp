@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
 #include "experiments/run/cell.hpp"
 
 namespace brickbench::hunt {

@@ -8,8 +8,8 @@
 #include <map>
 #include <sstream>
 
+#include "experiments/process/isolate.hpp"
 #include "experiments/record/schema.hpp"
-#include "experiments/sweep/isolate.hpp"
 #include "experiments/sweep/result_file.hpp"
 
 namespace brickbench {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "experiments/process/isolate.hpp"
 #include "experiments/run/run_plan.hpp"
-#include "experiments/sweep/isolate.hpp"
 #include "experiments/sweep/shard.hpp"
 #include "experiments/sweep/sweep.hpp"
 

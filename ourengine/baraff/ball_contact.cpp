@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "ourengine/bodies/by_kind.hpp"
+#include "ourengine/model/by_kind.hpp"
 
 namespace ourengine::baraff {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "ourengine/baraff/ball_contact.hpp"
 #include "ourengine/baraff/face_contact.hpp"
-#include "ourengine/bodies/by_kind.hpp"
+#include "ourengine/model/by_kind.hpp"
 
 namespace ourengine::baraff {
 namespace {

@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "ourengine/bodies/body.hpp"
+#include "ourengine/baraff/body.hpp"
 
 namespace ourengine::baraff {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ourengine/integration/constant_force.hpp"
-#include "ourengine/integration/forward_euler.hpp"
+#include "ourengine/baraff/constant_force.hpp"
+#include "ourengine/baraff/forward_euler.hpp"
 
 namespace ourengine::baraff {
 namespace {

@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "ourengine/contact/block_cholesky.hpp"
-#include "ourengine/contact/block_lu.hpp"
-#include "ourengine/contact/ordering.hpp"
 #include "ourengine/contact/problem.hpp"
 #include "ourengine/contact/residual.hpp"
+#include "ourengine/linear/block_cholesky.hpp"
+#include "ourengine/linear/block_lu.hpp"
+#include "ourengine/linear/ordering.hpp"
 
 namespace ourengine {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "ourengine/contact/kernels.hpp"
-#include "ourengine/contact/ordering.hpp"
 #include "ourengine/contact/problem.hpp"
+#include "ourengine/linear/kernels.hpp"
+#include "ourengine/linear/ordering.hpp"
 
 namespace ourengine {
 

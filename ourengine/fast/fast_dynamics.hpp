@@ -12,10 +12,10 @@
 #include <span>
 #include <vector>
 
-#include "ourengine/dynamics/model.hpp"
 #include "ourengine/fast/manifold_set.hpp"
 #include "ourengine/fast/rebound.hpp"
 #include "ourengine/fast/soft_batch.hpp"
+#include "ourengine/model/body_model.hpp"
 #include "ourengine/parallel/worker_pool.hpp"
 
 namespace ourengine {

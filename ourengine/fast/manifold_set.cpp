@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "ourengine/bodies/by_kind.hpp"
+#include "ourengine/model/by_kind.hpp"
 
 namespace ourengine {
 namespace {

@@ -16,9 +16,9 @@
 #include <span>
 #include <vector>
 
-#include "ourengine/dynamics/collide.hpp"
-#include "ourengine/dynamics/model.hpp"
+#include "ourengine/collision/collide.hpp"
 #include "ourengine/fast/soft_batch.hpp"
+#include "ourengine/model/body_model.hpp"
 #include "ourengine/parallel/worker_pool.hpp"
 
 namespace ourengine {

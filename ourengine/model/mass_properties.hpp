@@ -1,7 +1,7 @@
 // Bodies of uniform density, with the mass and the inertia that follow from their shape.
 #pragma once
 
-#include "ourengine/dynamics/model.hpp"
+#include "ourengine/model/body_model.hpp"
 
 namespace ourengine {
 

@@ -54,7 +54,7 @@ Tree good_house() {
   add_file(tree, "adapters/ourengine.cpp", "#include \"ourengine/baraff/step.hpp\"\n");
   add_file(tree, "adapters/seam/world.hpp", "using Shape = std::variant<BoxShape, PlaneShape>;\n");
   add_file(tree, "ourengine/baraff/step.hpp",
-           "#include \"ourengine/bodies/body.hpp\"\nusing Solid = std::variant<Box, Plane>;\n");
+           "#include \"ourengine/baraff/body.hpp\"\nusing Solid = std::variant<Box, Plane>;\n");
   add_file(tree, "experiments/scenarios/catalog.cpp",
            "#include \"adapters/seam/world.hpp\"\nScenario brick_wall();\nScenario tower();\n");
   add_file(tree, "experiments/record/row.hpp",
@@ -88,13 +88,13 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
   const std::string long_file(451, '\n');
   const std::string long_adapter(351, '\n');
   const Seed seeds[] = {
-      {check_includes, "ourengine/bodies/body.cpp", "#include \"adapters/seam/world.hpp\"\n"},
+      {check_includes, "ourengine/baraff/body.cpp", "#include \"adapters/seam/world.hpp\"\n"},
       {check_includes, "adapters/seam/simulation.hpp", "#include \"adapters/catalog.hpp\"\n"},
       {check_includes, "adapters/ode_joint.cpp", "#include \"experiments/run/cell.hpp\"\n"},
-      {check_includes, "adapters/ode_joint.cpp", "#include \"ourengine/bodies/body.hpp\"\n"},
+      {check_includes, "adapters/ode_joint.cpp", "#include \"ourengine/baraff/body.hpp\"\n"},
       {check_includes, "adapters/ode_joint.cpp", "#include <mujoco/mujoco.h>\n"},
       {check_includes, "experiments/metrics/energy.cpp",
-       "#include \"ourengine/bodies/body.hpp\"\n"},
+       "#include \"ourengine/baraff/body.hpp\"\n"},
       {check_includes, "experiments/run/cell.cpp", "#include \"adapters/catalog.hpp\"\n"},
       {check_includes, "experiments/run/cell.cpp", "#include \"reports/src/table.hpp\"\n"},
       {check_includes, "reports/src/plot.cpp", "#include \"experiments/metrics/metric.hpp\"\n"},

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "adapters/seam/shape.hpp"
-#include "experiments/exact/exact_case.hpp"
-#include "experiments/exact/sketch.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
+#include "experiments/exact/sketch/sketch.hpp"
 #include "tests/exact/random_parameters.hpp"
 
 namespace brickbench::exact {

@@ -1,13 +1,13 @@
 // The map of compliant contacts with levers and friction against what must hold of any solution.
-#include "experiments/exact/compliant_map.hpp"
+#include "experiments/exact/schemes/compliant_map.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "experiments/exact/builders.hpp"
-#include "experiments/exact/scheme_map.hpp"
+#include "experiments/exact/cases/builders.hpp"
+#include "experiments/exact/schemes/scheme_map.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 

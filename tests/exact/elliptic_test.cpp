@@ -1,6 +1,6 @@
 // Jacobi's functions against identities and limits; the torque-free body against an independent
 // integration of Euler's equations of sixth order.
-#include "experiments/exact/elliptic.hpp"
+#include "experiments/exact/cases/elliptic.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "experiments/exact/builders.hpp"
+#include "experiments/exact/cases/builders.hpp"
 #include "tests/support/tolerance.hpp"
 
 namespace brickbench::exact {

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "adapters/catalog.hpp"
-#include "experiments/exact/builders.hpp"
-#include "experiments/exact/metamorphic.hpp"
-#include "experiments/exact/scan.hpp"
-#include "experiments/exact/validate.hpp"
+#include "experiments/exact/cases/builders.hpp"
+#include "experiments/exact/validation/metamorphic.hpp"
+#include "experiments/exact/validation/scan.hpp"
+#include "experiments/exact/validation/validate.hpp"
 #include "tests/exact/random_parameters.hpp"
 
 namespace brickbench::exact {

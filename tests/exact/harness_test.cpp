@@ -6,11 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "experiments/exact/audit.hpp"
-#include "experiments/exact/builders.hpp"
-#include "experiments/exact/metamorphic.hpp"
-#include "experiments/exact/order.hpp"
-#include "experiments/exact/stable_step.hpp"
+#include "experiments/exact/cases/builders.hpp"
+#include "experiments/exact/validation/audit.hpp"
+#include "experiments/exact/validation/metamorphic.hpp"
+#include "experiments/exact/validation/order.hpp"
+#include "experiments/exact/validation/stable_step.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 

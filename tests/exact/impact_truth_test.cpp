@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/exact/builders.hpp"
+#include "experiments/exact/cases/builders.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 

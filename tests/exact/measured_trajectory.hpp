@@ -1,7 +1,7 @@
 // What the exact trajectory of a case would measure.
 #pragma once
 
-#include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
 
 namespace brickbench::exact::testing {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
 
 namespace brickbench::exact::testing {
 

@@ -1,5 +1,5 @@
 // Cases as families: what is drawn, what a case says of its domain, which failures are known.
-#include "experiments/exact/scan.hpp"
+#include "experiments/exact/validation/scan.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <fstream>
 #include <map>
 
-#include "experiments/exact/draw.hpp"
+#include "experiments/exact/cases/draw.hpp"
 #include "tests/exact/measured_trajectory.hpp"
 #include "tests/exact/random_parameters.hpp"
 

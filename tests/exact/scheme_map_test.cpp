@@ -1,5 +1,5 @@
 // The discrete maps against brute force: recurrences, implicit equations and sums written out here.
-#include "experiments/exact/scheme_map.hpp"
+#include "experiments/exact/schemes/scheme_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <random>
 
-#include "experiments/exact/builders.hpp"
-#include "experiments/exact/impulse_map.hpp"
-#include "experiments/exact/pivoting.hpp"
+#include "experiments/exact/cases/builders.hpp"
+#include "experiments/exact/schemes/impulse_map.hpp"
+#include "experiments/exact/schemes/pivoting.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 

@@ -1,6 +1,6 @@
 // The map of contacts hit one after the other against closed formulas and against what its steps
 // must leave behind.
-#include "experiments/exact/sequential_map.hpp"
+#include "experiments/exact/schemes/sequential_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,8 @@
 #include <cmath>
 #include <random>
 
-#include "experiments/exact/builders.hpp"
+#include "experiments/exact/cases/builders.hpp"
+#include "experiments/exact/schemes/scheme_map.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "adapters/catalog.hpp"
-#include "experiments/exact/audit.hpp"
+#include "experiments/exact/validation/audit.hpp"
 
 namespace brickbench::exact {
 namespace {

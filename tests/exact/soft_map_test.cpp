@@ -1,5 +1,5 @@
 // The map of soft contacts against what mechanics says whatever the sub-steps do.
-#include "experiments/exact/soft_map.hpp"
+#include "experiments/exact/schemes/soft_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "experiments/exact/box_points.hpp"
-#include "experiments/exact/builders.hpp"
-#include "experiments/exact/scheme_map.hpp"
+#include "experiments/exact/cases/builders.hpp"
+#include "experiments/exact/schemes/box_points.hpp"
+#include "experiments/exact/schemes/scheme_map.hpp"
 #include "tests/support/tolerance.hpp"
 
 namespace brickbench::exact {

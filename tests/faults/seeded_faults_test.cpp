@@ -7,7 +7,7 @@
 #include <iostream>
 #include <set>
 
-#include "experiments/exact/validate.hpp"
+#include "experiments/exact/validation/validate.hpp"
 
 namespace brickbench::testing {
 namespace {

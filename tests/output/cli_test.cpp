@@ -12,7 +12,7 @@
 #include <regex>
 
 #include "adapters/catalog.hpp"
-#include "experiments/exact/open_questions.hpp"
+#include "experiments/exact/validation/open_questions.hpp"
 #include "experiments/record/csv.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/run/cell.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "experiments/exact/open_questions.hpp"
+#include "experiments/exact/validation/open_questions.hpp"
 #include "tests/output/program.hpp"
 
 namespace brickbench::testing {

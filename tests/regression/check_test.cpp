@@ -1,6 +1,6 @@
 // The gate end to end, in this process: a suite is green against its own references and red, naming
 // the right number, against an engine with a seeded fault.
-#include "experiments/gate/check.hpp"
+#include "experiments/regression/check.hpp"
 
 #include <gtest/gtest.h>
 

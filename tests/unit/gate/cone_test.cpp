@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "experiments/gate/cone_program.hpp"
-#include "experiments/gate/impulse_oracle.hpp"
+#include "experiments/oracle/cone_program.hpp"
+#include "experiments/oracle/impulse_oracle.hpp"
 #include "tests/support/tolerance.hpp"
 
 namespace brickbench::gate {

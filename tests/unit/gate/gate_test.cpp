@@ -8,8 +8,8 @@
 #include <fstream>
 #include <random>
 
-#include "experiments/gate/check.hpp"
-#include "experiments/gate/observe.hpp"
+#include "experiments/regression/check.hpp"
+#include "experiments/regression/observe.hpp"
 
 namespace brickbench::gate {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "experiments/gate/law_profile.hpp"
-#include "experiments/gate/step_laws.hpp"
+#include "experiments/oracle/law_profile.hpp"
+#include "experiments/oracle/step_laws.hpp"
 
 namespace brickbench::gate {
 namespace {

@@ -29,8 +29,8 @@
 #include <utility>
 
 #include "adapters/catalog.hpp"
-#include "experiments/gate/check.hpp"
-#include "experiments/gate/observe.hpp"
+#include "experiments/regression/check.hpp"
+#include "experiments/regression/observe.hpp"
 #include "experiments/run/run_plan.hpp"
 
 namespace brickbench::gate {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "experiments/gate/assemblies.hpp"
+#include "experiments/oracle/assemblies.hpp"
 
 namespace brickbench::gate {
 namespace {

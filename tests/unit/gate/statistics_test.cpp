@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "experiments/gate/equivalence.hpp"
+#include "experiments/regression/equivalence.hpp"
 #include "tests/support/tolerance.hpp"
 
 namespace brickbench::gate {

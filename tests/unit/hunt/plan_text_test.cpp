@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiments/exact/exact_case.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
 #include "experiments/hunt/draw.hpp"
 #include "tests/unit/run/fakes.hpp"
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "ourengine/integration/forward_euler.hpp"
+#include "ourengine/baraff/forward_euler.hpp"
 #include "tests/support/tolerance.hpp"
 
 namespace ourengine::baraff::testing {

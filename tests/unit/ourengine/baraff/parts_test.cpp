@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "ourengine/baraff/colliding_contact.hpp"
+#include "ourengine/baraff/forward_euler.hpp"
 #include "ourengine/baraff/qp_solve.hpp"
 #include "ourengine/baraff/resting_contact.hpp"
-#include "ourengine/integration/forward_euler.hpp"
 #include "tests/support/tolerance.hpp"
 #include "tests/unit/ourengine/baraff/motion.hpp"
 

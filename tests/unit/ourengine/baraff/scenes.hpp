@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "ourengine/bodies/body.hpp"
+#include "ourengine/baraff/body.hpp"
 
 namespace ourengine::baraff::testing {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "ourengine/contact/block_cholesky.hpp"
-#include "ourengine/contact/block_lu.hpp"
 #include "ourengine/contact/system.hpp"
+#include "ourengine/linear/block_cholesky.hpp"
+#include "ourengine/linear/block_lu.hpp"
 #include "tests/support/contact_walls.hpp"
 #include "tests/support/tolerance.hpp"
 #include "tests/unit/ourengine/contact/small_problems.hpp"

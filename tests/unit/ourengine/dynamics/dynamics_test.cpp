@@ -1,4 +1,4 @@
-#include "ourengine/dynamics/dynamics.hpp"
+#include "ourengine/exact/dynamics.hpp"
 
 #include <gtest/gtest.h>
 

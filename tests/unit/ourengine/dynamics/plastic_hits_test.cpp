@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "ourengine/dynamics/dynamics.hpp"
+#include "ourengine/exact/dynamics.hpp"
 #include "tests/support/tolerance.hpp"
 #include "tests/unit/ourengine/dynamics/wall.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "ourengine/dynamics/model.hpp"
 #include "ourengine/integration/rotation.hpp"
+#include "ourengine/model/body_model.hpp"
 #include "tests/unit/ourengine/dynamics/wall.hpp"
 
 namespace ourengine::testing {

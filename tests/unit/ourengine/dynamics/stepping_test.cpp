@@ -5,8 +5,8 @@
 #include <numeric>
 #include <string>
 
-#include "ourengine/dynamics/dynamics.hpp"
-#include "ourengine/dynamics/passage.hpp"
+#include "ourengine/exact/dynamics.hpp"
+#include "ourengine/exact/passage.hpp"
 #include "tests/support/tolerance.hpp"
 #include "tests/unit/ourengine/dynamics/scenes.hpp"
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "ourengine/dynamics/collide.hpp"
-#include "ourengine/dynamics/model.hpp"
+#include "ourengine/collision/collide.hpp"
+#include "ourengine/model/body_model.hpp"
 
 namespace ourengine::testing {
 
