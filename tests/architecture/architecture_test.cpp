@@ -29,6 +29,7 @@ void expect_clean(Check check) {
 }
 
 TEST(Project, IncludesFollowTheArrows) { expect_clean(check_includes); }
+TEST(Project, RoomsLieOnFloors) { expect_clean(check_floors); }
 TEST(Project, NobodyComparesWithAnEngine) { expect_clean(check_engine_names); }
 TEST(Project, NoPathNamesAnEngineAndAScenario) { expect_clean(check_mixed_paths); }
 TEST(Project, FilesAreShort) { expect_clean(check_lengths); }
@@ -73,7 +74,7 @@ Tree good_house() {
 }
 
 TEST(Rules, AGoodHousePassesAll) {
-  for (const Check check : {check_includes, check_engine_names, check_mixed_paths, check_lengths,
+  for (const Check check : {check_includes, check_floors, check_engine_names, check_mixed_paths, check_lengths,
                             check_type_names, check_shapes, check_documents, long_adapters}) {
     EXPECT_TRUE(check(good_house()).empty()) << text(check(good_house()));
   }
@@ -99,6 +100,13 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
       {check_includes, "experiments/run/cell.cpp", "#include \"reports/src/table.hpp\"\n"},
       {check_includes, "reports/src/plot.cpp", "#include \"experiments/metrics/metric.hpp\"\n"},
       {check_includes, "cli/verb_run.cpp", "#include <btBulletDynamicsCommon.h>\n"},
+      {check_floors, "ourengine/contact/solve.cpp", "#include \"ourengine/fast/step.hpp\"\n"},
+      {check_floors, "ourengine/fast/step.cpp", "#include \"ourengine/baraff/step.hpp\"\n"},
+      {check_floors, "ourengine/bodies/body.cpp", ""},
+      {check_floors, "experiments/metrics/energy.cpp",
+       "#include \"experiments/run/cell.hpp\"\n"},
+      {check_floors, "experiments/oracle/laws.cpp",
+       "#include \"experiments/regression/check.hpp\"\n"},
       {check_engine_names, "cli/verb_run.cpp", "if (name == \"ode\") {}\n"},
       {check_engine_names, "experiments/run/cell.cpp", "skip(\"ourengine/baraff\");\n"},
       {check_engine_names, "reports/src/plot.cpp", "colour[\"ode\"] = 1;\n"},

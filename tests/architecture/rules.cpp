@@ -22,6 +22,40 @@ const std::map<std::string, std::vector<std::string>>& arrows() {
   return table;
 }
 
+// A house as its floors, the lowest first: a room sees itself and the floors below its own, no
+// neighbour on its floor.
+using Floors = std::vector<std::vector<std::string>>;
+
+const std::map<std::string, Floors>& houses() {
+  static const std::map<std::string, Floors> table = {
+      {"ourengine",
+       {{"model", "parallel"},
+        {"integration", "collision", "linear"},
+        {"contact"},
+        {"baraff", "exact", "fast"}}},
+      {"experiments",
+       {{"scenarios", "process", "record"},
+        {"metrics"},
+        {"step"},
+        {"exact/cases"},
+        {"exact/schemes", "exact/sketch"},
+        {"exact/validation", "run"},
+        {"sweep", "oracle", "regression"},
+        {"hunt"}}}};
+  return table;
+}
+
+// The floor of the room in which the file lies, and the room; -1 if it lies in none.
+std::pair<std::ptrdiff_t, std::string> place_in(const std::string& house, const Floors& floors,
+                                                const std::string& path) {
+  for (std::size_t floor = 0; floor < floors.size(); ++floor) {
+    for (const std::string& room : floors[floor]) {
+      if (is_below(path, house + "/" + room)) return {static_cast<std::ptrdiff_t>(floor), room};
+    }
+  }
+  return {-1, ""};
+}
+
 const std::map<std::string, std::string>& engine_headers() {
   static const std::map<std::string, std::string> table = {
       {"btBullet", "bullet"},         {"bullet/", "bullet"},         {"LinearMath/", "bullet"},
@@ -149,6 +183,29 @@ std::vector<Finding> check_includes(const Tree& tree) {
         if (included.starts_with(prefix) && !belongs_to(path, engine)) {
           findings.push_back({"include", path, "includes " + included + " of " + engine});
         }
+      }
+    }
+  }
+  return findings;
+}
+
+std::vector<Finding> check_floors(const Tree& tree) {
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    for (const auto& [house, floors] : houses()) {
+      // What lies at the door, such as the facade of a library, sees all rooms.
+      if (!is_cpp(path) || !is_below(path, house) ||
+          path.find('/', house.size() + 1) == std::string::npos) {
+        continue;
+      }
+      const auto [floor, room] = place_in(house, floors, path);
+      if (room.empty() && !is_below(path, house + "/example")) {
+        findings.push_back({"floors", path, "lies in no room that has a floor"});
+      }
+      for (const std::string& included : matches(content, "#include \"([^\"]+)\"")) {
+        const auto [below, other] = place_in(house, floors, included);
+        if (room.empty() || other.empty() || other == room || below < floor) continue;
+        findings.push_back({"floors", path, "includes " + included});
       }
     }
   }

@@ -17,6 +17,9 @@ struct Finding {
 // Arrows run one way: a file includes only what its room may see, and an engine's own headers stand
 // only in the adapter of that engine.
 std::vector<Finding> check_includes(const Tree& tree);
+// Inside ourengine/ and experiments/ rooms lie on floors: each sees itself and the floors below its
+// own, and no folder lies on none.
+std::vector<Finding> check_floors(const Tree& tree);
 // Outside adapters/ and tests, no string names an engine; in tests other than those of the adapters
 // nothing is compared with one.
 std::vector<Finding> check_engine_names(const Tree& tree);
