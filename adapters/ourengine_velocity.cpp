@@ -116,9 +116,11 @@ Flags flags_of(const engine::StepReport& report) {
   return flags;
 }
 
-// Its sweeps are counted, not judged: there is no tolerance to miss.
+// The sweeps of its sub-steps are counted, not judged: they have no tolerance to miss. Those over
+// the laws of impact have.
 Flags flags_of(const engine::FastReport& report) {
   Flags flags;
+  flags.raise(Flag::unsolved, report.unsolved);
   flags.raise(Flag::overlap_left, report.overlap_left_m > 0.0 || report.ran_out);
   return flags;
 }
@@ -126,7 +128,9 @@ Flags flags_of(const engine::FastReport& report) {
 constexpr Flags tellable_of(const engine::StepReport&) {
   return Flags(Flag::unsolved, Flag::overlap_left);
 }
-constexpr Flags tellable_of(const engine::FastReport&) { return Flags(Flag::overlap_left); }
+constexpr Flags tellable_of(const engine::FastReport&) {
+  return Flags(Flag::unsolved, Flag::overlap_left);
+}
 
 // Index: the value of the knob `solver` of `lcp`, the method that is tried first.
 constexpr std::array<engine::Solver, 3> k_lcp_solvers = {
