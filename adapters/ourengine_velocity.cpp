@@ -115,9 +115,11 @@ Flags flags_of(const engine::StepReport& report) {
   return flags;
 }
 
-// Its sweeps are counted, not judged: there is no tolerance to miss.
+// The sweeps of its sub-steps are counted, not judged: they have no tolerance to miss. Those over
+// the laws of impact have.
 Flags flags_of(const engine::FastReport& report) {
   Flags flags;
+  flags.raise(Flag::unsolved, report.unsolved);
   flags.raise(Flag::overlap_left, report.overlap_left_m > 0.0 || report.ran_out);
   return flags;
 }
@@ -125,7 +127,9 @@ Flags flags_of(const engine::FastReport& report) {
 constexpr Flags tellable_of(const engine::StepReport&) {
   return Flags(Flag::unsolved, Flag::overlap_left);
 }
-constexpr Flags tellable_of(const engine::FastReport&) { return Flags(Flag::overlap_left); }
+constexpr Flags tellable_of(const engine::FastReport&) {
+  return Flags(Flag::unsolved, Flag::overlap_left);
+}
 
 std::vector<AuditFact> facts_of(const engine::DynamicsOptions& o) {
   std::vector<AuditFact> facts =

@@ -95,16 +95,22 @@ struct CompliantContact {
 // Contact as a damped spring within sub-steps, in single precision (Catto 2024): the step is cut
 // into equal parts; in each, impulses carried over act first, then each contact is served once with
 // a push against its overlap before the bodies move, and once without it after. Impulses last from
-// sub-step to sub-step and from step to step. Then, in double precision, Newton's law of
-// restitution holds for all contacts that pushed at once (Moreau 1988): struck points leave with at
-// least their share of the approach at the step's start and may give back what they got beyond
-// that; the others do not approach. A manifold that bounced keeps no impulses. A body that was
-// pushed turns as in free flight from its mean spin. An island of bodies that pushed each other,
-// with more kinetic energy than it had and gravity and loads added, loses of the motion against
-// itself (against what is fixed, if that is in it) by one factor what is too much. Neither law nor
-// limit is looked at where no pushed body is, or was, faster than gravity makes it in a sub-step,
-// and where nothing bounces the law is that of the struck manifolds alone. A body that no contact
-// pushed during the step flies freely instead.
+// sub-step to sub-step and from step to step. In a step in which something approaches faster than
+// resting_approach_mps, they do so up to twice what the sub-step began with and the weight of both
+// bodies with what pulls on them, friction in proportion; a sub-step in which the first sweep finds
+// more makes most_sweeps of either kind. The sums of all impulses then give the velocities at the
+// step's end, in double precision. On islands of bodies that pushed each other, where something was
+// struck, Newton's and Coulomb's laws hold for all contacts that pushed at once (Moreau 1988):
+// struck points leave with at least their share of the approach at the step's start, the others do
+// not approach, what leaves faster has no impulse, and friction on a manifold's middle stops what
+// slides or is as large as it may be. A manifold that bounced keeps no impulses. From the last blow
+// on such bodies go on with the velocities at the end, unless that brings one of the island deeper
+// into another. A body that was pushed turns as in free flight from its mean spin. An island with
+// more kinetic energy than it had and gravity and loads added gives up bounce: its contacts are
+// solved without any as well, and as much of the first answer is taken as the energy allows; if
+// that is not enough and nothing is fixed in the island, its motion against itself shrinks by one
+// factor. Neither laws nor limit are looked at where no pushed body is, or was, faster than gravity
+// makes it in a sub-step. A body that no contact pushed during the step flies freely instead.
 struct SoftContact {
   int substeps = 1;
   double frequency_hz = 0.0;  // of the spring; at most one radian per sub-step
@@ -123,8 +129,8 @@ struct SoftContact {
   double too_deep_share = 0.0;
   int most_trials = 1;
   int most_sweeps = 1;
-  // Newton's law is solved by sweeps over the manifolds, until none changes a velocity by more than
-  // this share of the fastest approach.
+  // The laws of impact are solved by sweeps over the manifolds, until none changes a velocity by
+  // more than this share of the fastest approach.
   double rebound_share = 0.0;
   int rebound_sweeps = 0;
   double small_turn_rad = 0.0;  // in a step: taken to second order

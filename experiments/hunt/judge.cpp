@@ -1,6 +1,7 @@
 #include "experiments/hunt/judge.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "experiments/exact/validation/validate.hpp"
 #include "experiments/hunt/image_oracle.hpp"
@@ -46,6 +47,14 @@ const Breach* Verdict::find(std::string_view oracle) const {
   return found == breaches.end() ? nullptr : &*found;
 }
 
+void read_flags(const Motion& motion, Verdict& verdict) {
+  if (verdict.outcome != "ok" || !motion.flag || verdict.breaches.empty()) return;
+  const auto before = [&](const Breach& breach) { return breach.step < motion.flagged_step; };
+  if (std::ranges::any_of(verdict.breaches, before)) return;
+  verdict.outcome = to_word(*motion.flag);
+  verdict.reason = "told in step " + std::to_string(motion.flagged_step);
+}
+
 Verdict judge_crash(const std::string& reason) {
   Verdict verdict;
   verdict.outcome = to_outcome(Fault::crashed);
@@ -77,7 +86,11 @@ Verdict judge(const Trial& trial, const Catalogues& catalogues) {
   }
   if (auto breach = image_breach(*adapter, settings, motion)) verdict.breaches.push_back(*breach);
   const Motion again = run_motion(*adapter, settings, *scene, trial.steps);
-  if (auto breach = repetition_breach(motion, again)) verdict.breaches.push_back(*breach);
+  if (auto breach = repetition_breach(motion, again)) {
+    verdict.breaches.push_back(*breach);
+  } else {
+    read_flags(motion, verdict);
+  }
   return verdict;
 }
 

@@ -4,13 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "experiments/hunt/motion.hpp"
 #include "experiments/hunt/oracles.hpp"
 #include "experiments/hunt/trial.hpp"
 
 namespace brickbench::hunt {
 
 struct Verdict {
-  std::string outcome = "ok";  // of the run, or a word of to_outcome()
+  // Of the run, or a word of to_outcome(); where a law is broken in a run that had raised a flag by
+  // then, the word of the flag.
+  std::string outcome = "ok";
   std::string reason;
   std::vector<Breach> breaches;  // in the order of oracles()
 
@@ -22,6 +25,10 @@ struct Verdict {
 
 // Runs the trial in this process, a second time for the repetition.
 Verdict judge(const Trial& trial, const Catalogues& catalogues);
+
+// Makes the outcome "ok" the word of the flag that the motion raised, if every breach was worst in
+// that step or later: a run that raised a flag before it broke a law has told so, whichever law.
+void read_flags(const Motion& motion, Verdict& verdict);
 
 // The verdict on a trial whose process ended without an answer.
 Verdict judge_crash(const std::string& reason);

@@ -5,6 +5,17 @@
 namespace brickbench::hunt {
 namespace {
 
+void note_flags(const Simulation& simulation, Motion& motion) {
+  const DiagnosticView* view = simulation.diagnostic_view();
+  if (view == nullptr || motion.flag) return;
+  const Flags flags = view->flags();
+  for (const Flag flag : k_all_flags) {
+    if (motion.flag || !flags.has(flag)) continue;
+    motion.flag = flag;
+    motion.flagged_step = motion.steps();
+  }
+}
+
 Expected<void> play(const Adapter& adapter, const Settings& settings, std::size_t steps,
                     Motion& motion) {
   auto stepper = Stepper::start(adapter, motion.scene.world, settings,
@@ -18,6 +29,7 @@ Expected<void> play(const Adapter& adapter, const Settings& settings, std::size_
     if (auto ok = stepper->advance(); !ok) return ok;
     motion.wrenches.emplace_back(stepper->wrenches().begin(), stepper->wrenches().end());
     motion.states.push_back(states());
+    note_flags(stepper->simulation(), motion);
   }
   return {};
 }

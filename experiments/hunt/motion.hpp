@@ -20,6 +20,9 @@ struct Motion {
   std::vector<std::vector<Wrench>> wrenches;  // (steps done, bodies), held during the step
   std::string outcome = "ok";                 // or a word of to_outcome()
   std::string reason;
+  // What the engine's own flags say first: that a step is not to be trusted, and which (from 1).
+  std::optional<Flag> flag;
+  std::size_t flagged_step = 0;
 
   std::size_t steps() const { return wrenches.size(); }
   // Step `step`, from 0.

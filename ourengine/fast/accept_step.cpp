@@ -13,6 +13,10 @@ constexpr std::size_t k_bodies_per_piece = 256;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+Eigen::Vector3d lane_of(const Lane3& lanes, std::size_t i) {
+  return {lanes[0][i], lanes[1][i], lanes[2][i]};
+}
+
 bool pushed(const SoftPoint& point, std::size_t lane) { return point.max_impulse[lane] > 0.0F; }
 bool struck(const SoftPoint& point, std::size_t lane) {
   return pushed(point, lane) && point.bounce[lane] >= 0.0F;
@@ -65,30 +69,57 @@ void FastDynamics::join_islands() {
   }
 }
 
-// Islands with nothing fixed have the momentum that gravity and loads give them, in double
-// precision: the roundings of the sub-steps would be energy of their common motion, of which a
-// light body that a heavy one strikes has too little to pay for.
-void FastDynamics::restore_momentum() {
-  struct Sum {
-    double mass_kg = 0.0;
-    Eigen::Vector3d missing_ns = Eigen::Vector3d::Zero();
+FastDynamics::SlotImpulses FastDynamics::impulses_of(const Slot& slot) const {
+  const SoftBatch& batch = batches_[at(slot.batch)];
+  const std::size_t lane = at(slot.lane);
+  SlotImpulses sum;
+  for (std::size_t p = 0; p < k_soft_points; ++p) sum.normal_ns[p] = batch.point[p].total[lane];
+  for (std::size_t k = 0; k < 2; ++k) {
+    sum.friction_ns += double{batch.friction_total[k][lane]} * lane_of(batch.tangent[k], lane);
+  }
+  sum.twist_nms = batch.twist_total[lane];
+  return sum;
+}
+
+Eigen::Vector3d FastDynamics::middle_of(const SoftManifold& manifold) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& arm : std::span(manifold.arm_a_m).first(at(manifold.count))) {
+    middle += arm / manifold.count;
+  }
+  return middle;
+}
+
+// The velocities that all impulses of the step give, in double precision. The sub-steps' own have
+// the roundings of single precision in every one of them, which at high speeds is more than the
+// friction of a step, and more than the energy that a light body has to pay with.
+void FastDynamics::sum_impulses() {
+  struct Momentum {
+    Eigen::Vector3d linear_ns = Eigen::Vector3d::Zero();
+    Eigen::Vector3d angular_nms = Eigen::Vector3d::Zero();
   };
-  std::vector<Sum> islands(bodies_.size());
-  const auto is_afloat = [&](std::size_t i) {
-    return touched_[i] != 0 && !bodies_[i].fixed && grounded_[at(island_[i])] == 0;
-  };
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (!is_afloat(i)) continue;
-    const double mass_kg = bodies_[i].mass_kg;
-    Sum& island = islands[at(island_[i])];
-    island.mass_kg += mass_kg;
-    island.missing_ns += mass_kg * (motions_[i].velocity_mps - ends_[i].velocity_mps) +
-                         step_s_ * (mass_kg * options_.gravity_mps2 + loads_[i].force_n);
+  std::vector<Momentum> given(bodies_.size());
+  for (const Slot& slot : slots_) {
+    if (!slot.pushed) continue;
+    const SoftManifold& m = solved_manifold(at(slot.manifold));
+    const SlotImpulses sum = impulses_of(slot);
+    Eigen::Vector3d force = sum.friction_ns;
+    Eigen::Vector3d moment = middle_of(m).cross(sum.friction_ns) + sum.twist_nms * m.normal;
+    for (std::size_t p = 0; p < at(m.count); ++p) {
+      force += sum.normal_ns[p] * m.normal;
+      moment += sum.normal_ns[p] * m.arm_a_m[p].cross(m.normal);
+    }
+    given[at(m.body_a)].linear_ns -= force;
+    given[at(m.body_a)].angular_nms -= moment;
+    given[at(m.body_b)].linear_ns += force;
+    given[at(m.body_b)].angular_nms += moment - m.between_m.cross(force);
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (!is_afloat(i)) continue;
-    const Sum& island = islands[at(island_[i])];
-    ends_[i].velocity_mps += island.missing_ns / island.mass_kg;
+    if (touched_[i] == 0 || bodies_[i].fixed) continue;
+    const BodyModel& body = bodies_[i];
+    ends_[i].velocity_mps = motions_[i].velocity_mps + step_s_ * options_.gravity_mps2 +
+                            (step_s_ * loads_[i].force_n + given[i].linear_ns) / body.mass_kg;
+    ends_[i].angular_momentum_kgm2ps =
+        motions_[i].angular_momentum_kgm2ps + step_s_ * loads_[i].torque_nm + given[i].angular_nms;
   }
 }
 
@@ -106,6 +137,7 @@ void FastDynamics::set_twist(std::size_t i, const Twist& twist) {
 ReboundRow FastDynamics::rebound_row(const Slot& slot) const {
   const SoftManifold& manifold = solved_manifold(at(slot.manifold));
   const SoftBatch& batch = batches_[at(slot.batch)];
+  const std::size_t lane = at(slot.lane);
   ReboundRow row;
   row.body_a = manifold.body_a;
   row.body_b = manifold.body_b;
@@ -116,6 +148,10 @@ ReboundRow FastDynamics::rebound_row(const Slot& slot) const {
     const Eigen::Matrix3d& r = poses_[at(i)].axes;
     return r * (r.transpose() * arm).cwiseQuotient(body.inertia_kgm2);
   };
+  const auto set = [&](ReboundRow::Arm& arm, const Eigen::Vector3d& on_a,
+                       const Eigen::Vector3d& on_b) {
+    arm = {on_a, on_b, turn(row.body_a, on_a), turn(row.body_b, on_b)};
+  };
   const auto inverse_mass = [&](int i) {
     return bodies_[at(i)].fixed ? 0.0 : 1.0 / bodies_[at(i)].mass_kg;
   };
@@ -123,17 +159,25 @@ ReboundRow FastDynamics::rebound_row(const Slot& slot) const {
   row.inverse_mass_b = inverse_mass(row.body_b);
   for (std::size_t p = 0; p < at(manifold.count); ++p) {
     const SoftPoint& point = batch.point[p];
-    if (!pushed(point, at(slot.lane))) continue;
+    if (!pushed(point, lane)) continue;
     const std::size_t q = row.count++;
     const Eigen::Vector3d& lever = manifold.arm_a_m[p];
-    row.arm_a[q] = lever.cross(row.normal);
-    row.arm_b[q] = (lever - manifold.between_m).cross(row.normal);
-    row.turn_a[q] = turn(row.body_a, row.arm_a[q]);
-    row.turn_b[q] = turn(row.body_b, row.arm_b[q]);
-    if (!struck(point, at(slot.lane))) continue;
-    row.target_mps[q] = point.bounce[at(slot.lane)];
-    row.least_ns[q] = -point.total[at(slot.lane)];
+    set(row.point[q], lever.cross(row.normal), (lever - manifold.between_m).cross(row.normal));
+    row.impulse_ns[q] = point.total[lane];
+    if (struck(point, lane)) row.target_mps[q] = point.bounce[lane];
   }
+  row.friction = batch.friction[lane];
+  if (row.friction == 0.0) return row;
+  const Eigen::Vector3d middle = middle_of(manifold);
+  for (std::size_t k = 0; k < 2; ++k) {
+    row.tangent[k] = lane_of(batch.tangent[k], lane);
+    set(row.slide[k], middle.cross(row.tangent[k]),
+        (middle - manifold.between_m).cross(row.tangent[k]));
+    row.friction_ns[k] = batch.friction_total[k][lane];
+  }
+  set(row.twist, row.normal, row.normal);
+  row.twist_arm_m = batch.twist_arm[lane];
+  row.twist_nms = batch.twist_total[lane];
   return row;
 }
 
@@ -157,48 +201,86 @@ double FastDynamics::fastest_approach_mps(const Slot& slot) const {
   return fastest_mps;
 }
 
-// Newton's law: struck points leave with their share of the approach, and may give back what they
-// got too much of; the others do not approach. Where something bounces that is a problem of all
-// contacts of the islands that were struck; else the sub-steps have solved it but for the last
-// blows, and it is one of the struck contacts.
+// Newton's and Coulomb's laws at the end of the step, for all contacts of the islands in which
+// something was struck: what the sub-steps gave to one that now separates too fast, it gives back.
 void FastDynamics::rebound() {
   rebound_left_mps_ = 0.0;
-  std::vector<const Slot*> struck_slots, all;
-  std::vector<char> struck_island(bodies_.size(), 0);
-  const auto root = [&](const Slot& slot) {
-    const SoftManifold& m = solved_manifold(at(slot.manifold));
-    return at(island_[at(bodies_[at(m.body_a)].fixed ? m.body_b : m.body_a)]);
-  };
+  laws_held_.assign(bodies_.size(), Law::none);
   double fastest_mps = 0.0;
-  bool bounce = false;
   for (const Slot& slot : slots_) {
     const double approach_mps = slot.pushed ? fastest_approach_mps(slot) : 0.0;
     if (approach_mps == 0.0) continue;
     const SoftManifold& m = solved_manifold(at(slot.manifold));
-    bounce = bounce ||
-             laws_(bodies_[at(m.body_a)].surface, bodies_[at(m.body_b)].surface).restitution > 0.0;
+    const SurfaceLaw& law = laws_(bodies_[at(m.body_a)].surface, bodies_[at(m.body_b)].surface);
     fastest_mps = std::max(fastest_mps, approach_mps);
-    struck_island[root(slot)] = 1;
-    struck_slots.push_back(&slot);
+    Law& held = laws_held_[root_of(slot)];
+    held = law.restitution > 0.0 || held == Law::bounce ? Law::bounce : Law::plastic;
   }
-  if (struck_slots.empty()) return;
-  const double enough_mps = k_rebound_share * fastest_mps;
-  if (!bounce) {
-    rebound_left_mps_ = settle_rows(struck_slots, enough_mps);
-    return;
-  }
+  if (fastest_mps == 0.0) return;
+  std::vector<const Slot*> slots;
   for (const Slot& slot : slots_) {
-    if (slot.pushed && struck_island[root(slot)] != 0) all.push_back(&slot);
+    if (slot.pushed && laws_held_[root_of(slot)] != Law::none) slots.push_back(&slot);
   }
-  rebound_left_mps_ = settle_rows(all, enough_mps);
+  rebound_left_mps_ = settle_rows(slots, k_rebound_share * fastest_mps, true);
+  unsolved_ = rebound_left_mps_ > FastLimits::k_unsolved_share * fastest_mps;
 }
 
-double FastDynamics::settle_rows(std::span<const Slot* const> slots, double enough_mps) {
+// A hit takes place when it takes place: bodies of the islands that were struck go on from the last
+// blow with the velocities that they end with, not with those that the sub-steps had by then.
+void FastDynamics::move_on() {
+  const std::vector<SoftVector> trial = moved_;
+  const auto moves = [&](std::size_t i) {
+    return touched_[i] != 0 && !bodies_[i].fixed && laws_held_[at(island_[i])] != Law::none;
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!moves(i)) continue;
+    const Twist end = twist_of(i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      moved_[i][k] += static_cast<float>(after_blow_s_ * (end.linear[axis] - velocity_[i][k]));
+      moved_[i][4 + k] +=
+          static_cast<float>(after_blow_s_ * (end.angular[axis] - velocity_[i][4 + k]));
+    }
+  }
+  move_back_what_meets(trial);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!moves(i)) continue;
+    ends_[i].position_m = motions_[i].position_m + linear_part(moved_[i]);
+    ends_[i].attitude = turned_freely(i, angular_part(moved_[i]));
+  }
+}
+
+// Islands that would meet on that way what they did not meet in the trial stay where it left them.
+void FastDynamics::move_back_what_meets(std::span<const SoftVector> trial) {
+  const double tolerance_m = FastLimits::k_look_tolerance * options_.margin_m;
+  std::vector<char> meets(bodies_.size(), 0);
+  for (const Slot& slot : slots_) {
+    const SoftManifold& m = solved_manifold(at(slot.manifold));
+    for (std::size_t p = 0; p < at(m.count); ++p) {
+      if (m.gap_m[p] + opened_m(m, p, moved_) >= std::min(0.0, m.gap_m[p]) - tolerance_m) continue;
+      if (opened_m(m, p, moved_) >= opened_m(m, p, trial)) continue;
+      for (const int body : {m.body_a, m.body_b}) meets[at(island_[at(body)])] = 1;
+    }
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (meets[at(island_[i])] != 0) moved_[i] = trial[i];
+  }
+}
+
+std::size_t FastDynamics::root_of(const Slot& slot) const {
+  const SoftManifold& m = solved_manifold(at(slot.manifold));
+  return at(island_[at(bodies_[at(m.body_a)].fixed ? m.body_b : m.body_a)]);
+}
+
+// Whether they bounce, or all targets are zero.
+double FastDynamics::settle_rows(std::span<const Slot* const> slots, double enough_mps,
+                                 bool bounce) {
   std::vector<ReboundRow> rows;
   std::vector<Twist> velocity(bodies_.size());
   std::vector<char> takes_part(bodies_.size(), 0);
   for (const Slot* slot : slots) {
     rows.push_back(rebound_row(*slot));
+    if (!bounce) rows.back().target_mps.fill(0.0);
     for (const int i : {rows.back().body_a, rows.back().body_b}) {
       if (bodies_[at(i)].fixed || takes_part[at(i)] != 0) continue;
       takes_part[at(i)] = 1;
@@ -222,70 +304,159 @@ void FastDynamics::take_rebound(const Slot& slot, const ReboundRow& row) {
   bool bounced = false;
   for (SoftPoint& point : points) {
     if (!pushed(point, lane)) continue;
-    point.total[lane] += static_cast<float>(row.impulse_ns[q++]);
+    point.total[lane] = static_cast<float>(row.impulse_ns[q++]);
     bounced = bounced || point.bounce[lane] > 0.0F;
   }
+  for (std::size_t k = 0; k < 2; ++k) {
+    batch.friction_total[k][lane] = static_cast<float>(row.friction_ns[k]);
+  }
+  batch.twist_total[lane] = static_cast<float>(row.twist_nms);
   if (!bounced) return;
   for (SoftPoint& point : points) point.impulse[lane] = 0.0F;
   for (Lane& impulse : batch.friction_impulse) impulse[lane] = 0.0F;
   batch.twist_impulse[lane] = 0.0F;
 }
 
-// Kinetic energy at the end of the step, and what it may be: that of the start and what gravity and
-// loads did on the way.
-void FastDynamics::find_energies() {
-  energy_.assign(bodies_.size(), Energy{});
-  pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (touched_[i] == 0 || bodies_[i].fixed) continue;
-      const BodyModel& body = bodies_[i];
-      const Eigen::Vector3d force_n = body.mass_kg * options_.gravity_mps2 + loads_[i].force_n;
-      const Motion& start = motions_[i];
-      energy_[i].allowed_j = 0.5 * body.mass_kg * start.velocity_mps.squaredNorm() +
-                             0.5 * start.angular_momentum_kgm2ps.dot(spin_radps_[i]) +
-                             force_n.dot(linear_part(moved_[i])) +
-                             loads_[i].torque_nm.dot(angular_part(moved_[i]));
-      const Eigen::Vector3d spin = ends_[i].attitude.conjugate() * ends_[i].angular_momentum_kgm2ps;
-      energy_[i].kinetic_j = 0.5 * body.mass_kg * ends_[i].velocity_mps.squaredNorm() +
-                             0.5 * spin.dot(spin.cwiseQuotient(body.inertia_kgm2));
-    }
-  });
+double FastDynamics::kinetic_j(std::size_t i) const {
+  const Eigen::Vector3d spin = ends_[i].attitude.conjugate() * ends_[i].angular_momentum_kgm2ps;
+  return 0.5 * bodies_[i].mass_kg * ends_[i].velocity_mps.squaredNorm() +
+         0.5 * spin.dot(spin.cwiseQuotient(bodies_[i].inertia_kgm2));
 }
 
-// No island leaves the step with more energy than it had. Whether that could be reached: a motion
-// of the island as one body is never slowed, and turning it may cost more than there was.
-bool FastDynamics::limit_energies() {
-  find_energies();
-  energy_taken_j_ = 0.0;
+// (bodies) by root: kinetic energy of islands at the end of the step, and what it may be: that of
+// the start and what gravity and loads did on the way.
+std::vector<FastDynamics::Energy> FastDynamics::island_energies() const {
   std::vector<Energy> sum(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (touched_[i] == 0 || bodies_[i].fixed) continue;
+    const BodyModel& body = bodies_[i];
+    const Eigen::Vector3d force_n = body.mass_kg * options_.gravity_mps2 + loads_[i].force_n;
+    const Motion& start = motions_[i];
     Energy& island = sum[at(island_[i])];
-    island.allowed_j += energy_[i].allowed_j;
-    island.kinetic_j += energy_[i].kinetic_j;
+    island.allowed_j += 0.5 * body.mass_kg * start.velocity_mps.squaredNorm() +
+                        0.5 * start.angular_momentum_kgm2ps.dot(spin_radps_[i]) +
+                        force_n.dot(linear_part(moved_[i])) +
+                        loads_[i].torque_nm.dot(angular_part(moved_[i]));
+    island.kinetic_j += kinetic_j(i);
   }
-  const auto exceeds = [&](int root) { return sum[at(root)].kinetic_j > sum[at(root)].allowed_j; };
-  std::vector<int> order;
+  return sum;
+}
+
+// No island leaves the step with more energy than it had. Its contacts give less: something between
+// what they gave and what they would give without any bounce, which lies in all cones if those two
+// do. What that cannot hold is taken from the motion of the bodies against each other where nothing
+// fixed is among them. Whether it was held, if not the step is cut: a motion of the island as one
+// body is never slowed, and turning it may cost more than there was. On the ground a step may be
+// off by what gravity and loads do on the way that contacts cut short.
+bool FastDynamics::limit_energies() {
+  energy_taken_j_ = 0.0;
+  std::vector<Energy> sum = island_energies();
+  std::vector<char> exceeds(bodies_.size(), 0);
+  const auto note = [&](std::size_t root) {
+    exceeds[root] = sum[root].kinetic_j > sum[root].allowed_j ? 1 : 0;
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) note(i);
+  if (std::ranges::count(exceeds, 0) == std::ssize(exceeds)) return true;
+  bounce_less(exceeds, sum);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) note(i);
+  std::vector<std::vector<int>> afloat(bodies_.size());
+  std::vector<double> room_j(bodies_.size(), 0.0);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (touched_[i] != 0 && !bodies_[i].fixed && exceeds(island_[i])) {
-      order.push_back(static_cast<int>(i));
-    }
+    const auto root = at(island_[i]);
+    if (touched_[i] == 0 || bodies_[i].fixed || exceeds[root] == 0) continue;
+    if (grounded_[root] == 0) afloat[root].push_back(static_cast<int>(i));
+    const Eigen::Vector3d force_n = bodies_[i].mass_kg * options_.gravity_mps2 + loads_[i].force_n;
+    room_j[root] += force_n.norm() * (poses_[i].reach_m + linear_part(moved_[i]).norm());
   }
-  std::ranges::stable_sort(order, {}, [&](int i) { return island_[at(i)]; });
   bool held = true;
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    const int root = island_[at(order[begin])];
-    while (end < order.size() && island_[at(order[end])] == root) ++end;
-    const double before_j = sum[at(root)].kinetic_j;
-    limit_island(std::span(order).subspan(begin, end - begin), sum[at(root)]);
-    const Energy& left = sum[at(root)];
-    held = held &&
-           left.kinetic_j - std::max(left.allowed_j, 0.0) <= FastLimits::k_energy_share * before_j;
+  for (std::size_t root = 0; root < bodies_.size(); ++root) {
+    if (exceeds[root] == 0) continue;
+    const double before_j = sum[root].kinetic_j;
+    double left_j = before_j - std::max(sum[root].allowed_j, 0.0);
+    if (grounded_[root] == 0) left_j = limit_island(afloat[root], sum[root].allowed_j);
+    if (grounded_[root] != 0) left_j -= room_j[root];
+    held = held && left_j <= FastLimits::k_energy_share * before_j;
   }
   return held;
 }
 
-void FastDynamics::limit_island(std::span<const int> bodies, Energy& energy) {
+// The largest share of the way from one motion to another, both of an island, whose energy is
+// allowed; it is quadratic along that way.
+double FastDynamics::share_within(double first_j, double middle_j, double last_j,
+                                  double allowed_j) {
+  if (first_j >= allowed_j) return 0.0;
+  const double bend_j = std::max(0.0, 2.0 * (first_j + last_j - 2.0 * middle_j));
+  const double slope_j = last_j - first_j - bend_j;
+  const double room_j = allowed_j - first_j;
+  const double root = std::sqrt(slope_j * slope_j + 4.0 * bend_j * room_j);
+  return std::clamp(2.0 * room_j / (slope_j + root), 0.0, 1.0);
+}
+
+// Islands, by root, with too much energy: their contacts are solved without any bounce as well.
+void FastDynamics::bounce_less(std::span<const char> islands, std::span<Energy> energy) {
+  std::vector<const Slot*> slots;
+  std::vector<SlotImpulses> given;
+  double fastest_m = 0.0;
+  for (const Slot& slot : slots_) {
+    if (!slot.pushed || islands[root_of(slot)] == 0) continue;
+    if (laws_held_[root_of(slot)] == Law::plastic) continue;
+    slots.push_back(&slot);
+    given.push_back(impulses_of(slot));
+    const SoftManifold& m = solved_manifold(at(slot.manifold));
+    fastest_m = std::max({fastest_m, poses_[at(m.body_a)].reach_m, poses_[at(m.body_b)].reach_m});
+  }
+  if (slots.empty()) return;
+  const std::vector<Motion> more = ends_;
+  settle_rows(slots, k_rebound_share * fastest_m / step_s_, false);
+  const std::vector<Motion> less = ends_;
+  std::vector<Energy> first = island_energies();
+  const auto blend = [&](std::size_t i, double share) {
+    ends_[i].velocity_mps += share * (more[i].velocity_mps - less[i].velocity_mps);
+    ends_[i].angular_momentum_kgm2ps +=
+        share * (more[i].angular_momentum_kgm2ps - less[i].angular_momentum_kgm2ps);
+  };
+  for (std::size_t i = 0; i < bodies_.size(); ++i) blend(i, 0.5);
+  const std::vector<Energy> middle = island_energies();
+  ends_ = less;
+  std::vector<double> share(bodies_.size(), 1.0);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (islands[i] == 0) continue;
+    share[i] = share_within(first[i].kinetic_j, middle[i].kinetic_j, energy[i].kinetic_j,
+                            energy[i].allowed_j);
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) blend(i, share[at(island_[i])]);
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    blend_impulses(*slots[k], given[k], share[root_of(*slots[k])]);
+  }
+  const std::vector<Energy> now = island_energies();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (islands[i] == 0) continue;
+    energy_taken_j_ += energy[i].kinetic_j - now[i].kinetic_j;
+    energy[i].kinetic_j = now[i].kinetic_j;
+  }
+}
+
+// Towards what it was given.
+void FastDynamics::blend_impulses(const Slot& slot, const SlotImpulses& given, double share) {
+  SoftBatch& batch = batches_[at(slot.batch)];
+  const std::size_t lane = at(slot.lane);
+  const auto part = static_cast<float>(share);
+  const auto blend = [&](float& total, double to) {
+    total += part * (static_cast<float>(to) - total);
+  };
+  for (std::size_t p = 0; p < k_soft_points; ++p) {
+    blend(batch.point[p].total[lane], given.normal_ns[p]);
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    blend(batch.friction_total[k][lane], given.friction_ns.dot(lane_of(batch.tangent[k], lane)));
+  }
+  blend(batch.twist_total[lane], given.twist_nms);
+}
+
+// Of an island with nothing fixed. Returns the energy beyond what is allowed that it is left with.
+double FastDynamics::limit_island(std::span<const int> bodies, double allowed_j) {
   std::vector<GroupMember> members;
+  double kinetic_sum_j = 0.0;
   for (const int i : bodies) {
     const Eigen::Matrix3d r = ends_[at(i)].attitude.toRotationMatrix();
     const BodyModel& body = bodies_[at(i)];
@@ -295,19 +466,16 @@ void FastDynamics::limit_island(std::span<const int> bodies, Energy& energy) {
                        ends_[at(i)].position_m,
                        {ends_[at(i)].velocity_mps,
                         r * (r.transpose() * momentum).cwiseQuotient(body.inertia_kgm2)}});
+    kinetic_sum_j += kinetic_j(at(i));
   }
-  const bool grounded = grounded_[at(island_[at(bodies.front())])] != 0;
-  const double taken_j = limit_energy(members, grounded, energy.allowed_j);
-  energy.kinetic_j -= taken_j;
+  const double taken_j = limit_energy(members, allowed_j);
   energy_taken_j_ += taken_j;
   for (std::size_t k = 0; k < members.size(); ++k) {
     Motion& end = ends_[at(bodies[k])];
-    if (grounded) {
-      momentum_taken_ns_ += members[k].mass_kg * (end.velocity_mps - members[k].velocity.linear);
-    }
     end.velocity_mps = members[k].velocity.linear;
     end.angular_momentum_kgm2ps = members[k].inertia_kgm2 * members[k].velocity.angular;
   }
+  return kinetic_sum_j - taken_j - std::max(allowed_j, 0.0);
 }
 
 }  // namespace ourengine

@@ -123,6 +123,7 @@ void FastDynamics::fill_batches() {
       const auto lanes = std::span(lane_slot_).subspan(k_lanes * k, k_lanes);
       if (lanes.back() < 0) batch = empty;  // lanes are taken from the front
       batch.points = 0;
+      batch.struck = false;
       batch.lanes = static_cast<int>(std::ranges::find(lanes, -1) - lanes.begin());
       for (std::size_t i = 0; i < lanes.size() && lanes[i] >= 0; ++i) {
         fill(batch, i, solved_manifold(at(slots_[at(lanes[i])].manifold)));
@@ -144,6 +145,11 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
   const SurfaceLaw& law = laws_(bodies_[a].surface, bodies_[b].surface);
   batch.friction[i] = static_cast<float>(law.friction);
   const bool fast = poses_[a].reach_m + poses_[b].reach_m > step_s_ * options_.resting_approach_mps;
+  const auto weight_n = [&](std::size_t body) {
+    return bodies_[body].fixed ? 0.0 : bodies_[body].mass_kg * options_.gravity_mps2.norm();
+  };
+  batch.weight[i] = static_cast<float>(step_s_ / options_.substeps *
+                                       (weight_n(a) + weight_n(b) + double{load_n(manifold)}));
   batch.twist_impulse[i] = impulse_share_ * manifold.twist_impulse;
   batch.twist_total[i] = 0.0F;
   for (Lane& total : batch.friction_total) total[i] = 0.0F;
@@ -160,6 +166,7 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
     point.gap[i] = present ? static_cast<float>(manifold.gap_m[p]) : 0.0F;
     point.gap_now[i] = point.gap[i];
     point.impulse[i] = present ? impulse_share_ * manifold.impulse[p] : 0.0F;
+    point.carried[i] = point.impulse[i];
     point.bounce[i] = -1.0F;
     point.max_impulse[i] = 0.0F;
     point.total[i] = 0.0F;
@@ -167,6 +174,7 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
     const double approach = manifold.normal.dot(velocity_at(b, arm_b) - velocity_at(a, arm_a));
     if (approach < -options_.resting_approach_mps) {
       point.bounce[i] = static_cast<float>(-law.restitution * approach);
+      batch.struck = true;
     }
   }
 }
@@ -258,15 +266,14 @@ std::vector<SoftContact> FastDynamics::contacts_of_part() const {
     for (const Eigen::Vector3d& arm : arms) centre += arm / manifold.count;
     double squares = 0.0;
     for (const Eigen::Vector3d& arm : arms) squares += (arm - centre).squaredNorm();
-    const Eigen::Vector3d normal = lane(batch.normal, i);
     const Eigen::Vector3d friction = batch.friction_total[0][i] * lane(batch.tangent[0], i) +
                                      batch.friction_total[1][i] * lane(batch.tangent[1], i);
     const double turn = squares > 0.0 ? batch.twist_total[i] / squares : 0.0;
     for (std::size_t p = 0; p < arms.size(); ++p) {
       contacts.push_back({manifold.body_a, manifold.body_b, manifold.centre_a_m + arms[p],
                           manifold.normal, manifold.gap_m[p],
-                          batch.point[p].total[i] * normal + friction / manifold.count +
-                              turn * normal.cross(arms[p] - centre)});
+                          batch.point[p].total[i] * manifold.normal + friction / manifold.count +
+                              turn * manifold.normal.cross(arms[p] - centre)});
     }
   }
   return contacts;

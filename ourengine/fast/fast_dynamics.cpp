@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "ourengine/fast/soft_blows.hpp"
 #include "ourengine/fast/soft_vector.hpp"
 
 namespace ourengine {
@@ -135,14 +136,15 @@ bool FastDynamics::turns_far() const {
 // could be held.
 bool FastDynamics::close() {
   rebound_left_mps_ = 0.0;
+  unsolved_ = false;
   energy_taken_j_ = 0.0;
-  momentum_taken_ns_.setZero();
   deepest_m_ = 0.0;
   for (const Slot& slot : slots_) deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
+  sum_impulses();
   if (is_quiet()) return true;
   join_islands();
-  restore_momentum();
   rebound();
+  if (after_blow_s_ > 0.0) move_on();
   return limit_energies();
 }
 
@@ -150,8 +152,8 @@ void FastDynamics::accept() {
   ++report_.parts;
   report_.overlap_left_m = std::max(report_.overlap_left_m, overlap_left_m_);
   report_.rebound_left_mps = std::max(report_.rebound_left_mps, rebound_left_mps_);
+  report_.unsolved = report_.unsolved || unsolved_;
   report_.energy_taken_j += energy_taken_j_;
-  report_.momentum_taken_ns += momentum_taken_ns_;
   report_.deepest_m = deepest_m_;
   keep_impulses();
   std::swap(motions_, ends_);
@@ -268,6 +270,15 @@ void FastDynamics::sweep(const SoftStep& step, bool biased, bool forwards) {
   }
 }
 
+void FastDynamics::drop_blows() {
+  for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
+    const std::span<SoftBatch> batches = colour(c);
+    pool_.for_ranges(batches.size(), k_batches_per_piece, [&](std::size_t begin, std::size_t end) {
+      soft_drop_blows(batches.subspan(begin, end - begin), free_velocity_);
+    });
+  }
+}
+
 SoftStep FastDynamics::soft_step() const {
   const double h = step_s_ / options_.substeps;
   const double omega =
@@ -282,6 +293,8 @@ SoftStep FastDynamics::soft_step() const {
 void FastDynamics::run_substeps() {
   SoftStep step = soft_step();
   const double h = step_s_ / options_.substeps;
+  const bool blows = std::ranges::any_of(batches_, &SoftBatch::struck);
+  after_blow_s_ = 0.0;
   const auto for_bodies = [&](auto work) {
     pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) work(i);
@@ -311,12 +324,19 @@ void FastDynamics::run_substeps() {
       for_bodies(
           [&](std::size_t i) { fly_on(i, floats(velocity_[i]) - floats(free_velocity_[i])); });
     }
-    for (int k = 0; k < sweeps_; ++k) sweep(step, true, (s + k) % 2 == 0);
+    int sweeps = sweeps_;
+    for (int k = 0; k < sweeps; ++k) {
+      sweep(step, true, (s + k) % 2 == 0);
+      if (k > 0 || !blows || !soft_has_blow(batches_)) continue;
+      sweeps = FastLimits::k_sweeps;
+      after_blow_s_ = h * (options_.substeps - 1 - s);
+    }
     for_bodies([&](std::size_t i) { floats(moved_[i]) += step.step_s * floats(velocity_[i]); });
-    for (int k = 0; k < sweeps_; ++k) {
-      step.counted = k + 1 == sweeps_ ? 1.0F : 0.0F;
+    for (int k = 0; k < sweeps; ++k) {
+      step.counted = k + 1 == sweeps ? 1.0F : 0.0F;
       sweep(step, false, (s + k) % 2 != 0);
     }
+    if (blows) drop_blows();
   }
 }
 

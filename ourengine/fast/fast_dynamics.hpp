@@ -44,12 +44,12 @@ struct FastReport {
   double overlap_left_m = 0.0;
   // Deepest overlap (m) of a contact point when the step ended, new or old, as the sweeps count it.
   double deepest_m = 0.0;
-  // Newton's law is missed by up to this (m/s) where bodies struck each other.
+  // The last sweep over the laws of impact changed a velocity by this much still, m/s.
   double rebound_left_mps = 0.0;
+  // ... which is more than k_unsolved_share of the fastest approach.
+  bool unsolved = false;
   // Kinetic energy (J) taken from groups of touching bodies that would have had more than before.
   double energy_taken_j = 0.0;
-  // Momentum (N s) that went with it, where something fixed is in the group. No contact shows it.
-  Eigen::Vector3d momentum_taken_ns = Eigen::Vector3d::Zero();
   // The limits stopped the smallest part of the step: contacts may be missing, or the sweeps made
   // were too few.
   bool ran_out = false;
@@ -70,6 +70,8 @@ struct FastLimits {
   // More energy than was there, that slowing the contacts cannot take away, is no more than this
   // share.
   static constexpr double k_energy_share = 1e-6;
+  // Laws of impact that are missed by more than this share of the fastest approach are unsolved.
+  static constexpr double k_unsolved_share = 1e-2;
   // Of the loads that carried impulses held: where less is left, the impulses are forgotten.
   static constexpr float k_load_left = 0.5F;
   // What is not settled then is cut in halves with as many sub-steps each, so often.
@@ -132,6 +134,13 @@ class FastDynamics {
     float deepest_m = 0.0F;  // overlap of its pushed points where the trial ends
   };
 
+  struct SlotImpulses {  // of the whole step, on b
+    std::array<double, k_soft_points> normal_ns{};
+    Eigen::Vector3d friction_ns = Eigen::Vector3d::Zero();
+    double twist_nms = 0.0;
+  };
+  enum class Law : char { none, plastic, bounce };  // that an island was held to
+
   void pose_bodies();
   void find_contacts();
   bool hand_on_reach();
@@ -150,6 +159,7 @@ class FastDynamics {
   Eigen::Vector3d velocity_at(std::size_t body, const Eigen::Vector3d& arm_m) const;
   void warm_start();
   std::span<SoftBatch> colour(std::size_t index);
+  void drop_blows();
   void sweep(const SoftStep& step, bool biased, bool forwards);
   SoftStep soft_step() const;
   void run_substeps();
@@ -167,19 +177,29 @@ class FastDynamics {
   bool is_quiet() const;
   void join_islands();
   int island_of(int body);
-  void restore_momentum();
+  SlotImpulses impulses_of(const Slot& slot) const;
+  static Eigen::Vector3d middle_of(const SoftManifold& manifold);
+  void sum_impulses();
   void rebound();
+  void move_on();
+  void move_back_what_meets(std::span<const SoftVector> trial);
   double fastest_approach_mps(const Slot& slot) const;
-  double settle_rows(std::span<const Slot* const> slots, double enough_mps);
+  std::size_t root_of(const Slot& slot) const;
+  double settle_rows(std::span<const Slot* const> slots, double enough_mps, bool bounce);
   ReboundRow rebound_row(const Slot& slot) const;
   Twist twist_of(std::size_t body) const;
   void set_twist(std::size_t body, const Twist& twist);
   void take_rebound(const Slot& slot, const ReboundRow& row);
-  void find_energies();
+  double kinetic_j(std::size_t body) const;
+  std::vector<Energy> island_energies() const;
   bool limit_energies();
-  void limit_island(std::span<const int> bodies, Energy& energy);
+  static double share_within(double first_j, double middle_j, double last_j, double allowed_j);
+  void bounce_less(std::span<const char> islands, std::span<Energy> energy);
+  void blend_impulses(const Slot& slot, const SlotImpulses& given, double share);
+  double limit_island(std::span<const int> bodies, double allowed_j);
   std::vector<SoftContact> contacts_of_part() const;
-  double opened_m(const SoftManifold& manifold, std::size_t point) const;
+  static double opened_m(const SoftManifold& manifold, std::size_t point,
+                         std::span<const SoftVector> moved);
   void look_around_far();
   void look_at(const BodyPair& pair, double seen_m);
   SoftManifold late_manifold(const BodyPair& pair, const Manifold& end) const;
@@ -198,15 +218,16 @@ class FastDynamics {
   int sweeps_ = 1;               // of either kind, per sub-step
   double step_s_ = 0.0;          // of the part that is under way
   float impulse_share_ = 1.0F;   // its sub-step over that of an uncut step
+  double after_blow_s_ = 0.0;    // from the last blow of the trial to its end
   double overlap_left_m_ = 0.0;  // by its last trial
   double energy_taken_j_ = 0.0;
-  Eigen::Vector3d momentum_taken_ns_ = Eigen::Vector3d::Zero();
   double rebound_left_mps_ = 0.0;
+  bool unsolved_ = false;
   double deepest_m_ = 0.0;
   std::vector<SoftContact> cut_contacts_;  // of all parts, where the step was cut
   std::vector<int> island_;                // parent of a body in the tree of its island
   std::vector<char> grounded_;             // (bodies) by root: something fixed is in the island
-  std::vector<Energy> energy_;             // of touched bodies
+  std::vector<Law> laws_held_;             // (bodies) by root
   std::vector<BodyPose> poses_;
   std::vector<double> radius_m_;
   std::vector<Eigen::Vector3d> spin_radps_;

@@ -42,11 +42,12 @@ bool FastDynamics::find_far() {
 }
 
 // By how much the trial opens a gap, as its sweeps count it: linear in what the bodies moved.
-double FastDynamics::opened_m(const SoftManifold& manifold, std::size_t point) const {
+double FastDynamics::opened_m(const SoftManifold& manifold, std::size_t point,
+                              std::span<const SoftVector> moved) {
   const Eigen::Vector3d& arm_a = manifold.arm_a_m[point];
   const Eigen::Vector3d arm_b = arm_a - manifold.between_m;
-  const SoftVector& a = moved_[at(manifold.body_a)];
-  const SoftVector& b = moved_[at(manifold.body_b)];
+  const SoftVector& a = moved[at(manifold.body_a)];
+  const SoftVector& b = moved[at(manifold.body_b)];
   return manifold.normal.dot(linear_part(b) + angular_part(b).cross(arm_b) - linear_part(a) -
                              angular_part(a).cross(arm_a));
 }
@@ -69,7 +70,7 @@ FastDynamics::Look FastDynamics::look_ahead() {
     double seen_m = 0.0;
     double deeper_m = 0.0;
     for (std::size_t p = 0; p < at(known.count); ++p) {
-      const double end_m = known.gap_m[p] + opened_m(known, p);
+      const double end_m = known.gap_m[p] + opened_m(known, p, moved_);
       seen_m = std::min(seen_m, end_m);
       deeper_m = std::max(deeper_m, std::min(0.0, known.gap_m[p]) - end_m);
     }
@@ -147,7 +148,7 @@ SoftManifold FastDynamics::late_manifold(const BodyPair& pair, const Manifold& e
     const Eigen::Vector3d on_b = start(bodies_[b].fixed ? a : b);
     late.arm_a_m[p] = 0.5 * (on_a + on_b) - late.centre_a_m;
     late.gap_m[p] = 0.0;
-    late.gap_m[p] = point.gap_m - opened_m(late, p);
+    late.gap_m[p] = point.gap_m - opened_m(late, p, moved_);
   }
   return late;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -9,18 +10,38 @@
 namespace ourengine {
 namespace {
 
-constexpr int k_row_rounds = 64;
+constexpr int k_row_rounds = 16;
 // Of what is enough between rows, and of what the first round changed: enough within one.
 constexpr double k_row_share = 0.1;
-constexpr double k_round_share = 0.01;
+constexpr double k_round_share = 0.1;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 using Row4 = std::array<double, ReboundRow::k_points>;
 
-double response(const ReboundRow& row, std::size_t p, std::size_t q) {
-  return row.inverse_mass_a + row.inverse_mass_b + row.arm_a[p].dot(row.turn_a[q]) +
-         row.arm_b[p].dot(row.turn_b[q]);
+using Arm = ReboundRow::Arm;
+
+double turning(const Arm& arm, const Twist& a, const Twist& b) {
+  return arm.on_b.dot(b.angular) - arm.on_a.dot(a.angular);
+}
+
+// Of the velocity along one direction to an impulse along another, their cosine given.
+double response(const ReboundRow& row, double cosine, const Arm& felt, const Arm& pushed) {
+  return cosine * (row.inverse_mass_a + row.inverse_mass_b) + felt.on_a.dot(pushed.turn_a) +
+         felt.on_b.dot(pushed.turn_b);
+}
+
+void prepare(ReboundRow& row) {
+  for (std::size_t p = 0; p < row.count; ++p) {
+    for (std::size_t q = 0; q < row.count; ++q) {
+      row.response[p][q] = response(row, 1.0, row.point[p], row.point[q]);
+    }
+  }
+  if (row.friction == 0.0) return;
+  const double across = response(row, 0.0, row.slide[0], row.slide[1]);
+  row.slide_response << response(row, 1.0, row.slide[0], row.slide[0]), across, across,
+      response(row, 1.0, row.slide[1], row.slide[1]);
+  row.slide_mass = row.slide_response.inverse();
 }
 
 // How fast each point separates beyond its target.
@@ -28,25 +49,24 @@ Row4 surplus_mps(const ReboundRow& row, const Twist& a, const Twist& b) {
   Row4 surplus{};
   const double apart = row.normal.dot(b.linear - a.linear);
   for (std::size_t p = 0; p < row.count; ++p) {
-    surplus[p] =
-        apart + row.arm_b[p].dot(b.angular) - row.arm_a[p].dot(a.angular) - row.target_mps[p];
+    surplus[p] = apart + turning(row.point[p], a, b) - row.target_mps[p];
   }
   return surplus;
 }
 
-void push(const ReboundRow& row, const Row4& change_ns, Twist& a, Twist& b) {
-  double sum_ns = 0.0;
-  for (std::size_t p = 0; p < row.count; ++p) {
-    sum_ns += change_ns[p];
-    a.angular -= change_ns[p] * row.turn_a[p];
-    b.angular += change_ns[p] * row.turn_b[p];
-  }
-  a.linear -= sum_ns * row.inverse_mass_a * row.normal;
-  b.linear += sum_ns * row.inverse_mass_b * row.normal;
+void turn(const Arm& arm, double impulse, Twist& a, Twist& b) {
+  a.angular -= impulse * arm.turn_a;
+  b.angular += impulse * arm.turn_b;
 }
 
-// Solves the row with everything else held. Returns by how much a point's velocity changed.
-double settle_row(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
+void shift(const ReboundRow& row, const Eigen::Vector3d& impulse_ns, Twist& a, Twist& b) {
+  a.linear -= row.inverse_mass_a * impulse_ns;
+  b.linear += row.inverse_mass_b * impulse_ns;
+}
+
+// Newton's law for the row with everything else held. Returns by how much a point's velocity
+// changed.
+double settle_normals(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
   const Row4 before = surplus_mps(row, a, b);
   Row4 now = before;
   Row4 change{};
@@ -56,7 +76,7 @@ double settle_row(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
     double largest_mps = 0.0;
     for (std::size_t p = 0; p < row.count; ++p) {
       const double old_ns = row.impulse_ns[p];
-      row.impulse_ns[p] = std::max(row.least_ns[p], old_ns - now[p] / matrix[p][p]);
+      row.impulse_ns[p] = std::max(0.0, old_ns - now[p] / matrix[p][p]);
       const double step_ns = row.impulse_ns[p] - old_ns;
       change[p] += step_ns;
       for (std::size_t q = 0; q < row.count; ++q) now[q] += matrix[q][p] * step_ns;
@@ -65,12 +85,43 @@ double settle_row(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
     if (round == 0) stop_mps = std::max(stop_mps, k_round_share * largest_mps);
     if (largest_mps <= stop_mps) break;
   }
-  push(row, change, a, b);
-  double changed_mps = 0.0;
+  double sum_ns = 0.0, changed_mps = 0.0;
   for (std::size_t p = 0; p < row.count; ++p) {
+    sum_ns += change[p];
+    turn(row.point[p], change[p], a, b);
     changed_mps = std::max(changed_mps, std::abs(now[p] - before[p]));
   }
+  shift(row, sum_ns * row.normal, a, b);
   return changed_mps;
+}
+
+// Coulomb's law likewise, under the normal impulses that the row has.
+double settle_friction(ReboundRow& row, Twist& a, Twist& b) {
+  double load_ns = 0.0;
+  for (std::size_t p = 0; p < row.count; ++p) load_ns += row.impulse_ns[p];
+  const double limit_ns = row.friction * load_ns;
+  const Eigen::Vector3d relative = b.linear - a.linear;
+  const Eigen::Vector2d slip(row.tangent[0].dot(relative) + turning(row.slide[0], a, b),
+                             row.tangent[1].dot(relative) + turning(row.slide[1], a, b));
+  const Eigen::Vector2d old_ns(row.friction_ns[0], row.friction_ns[1]);
+  Eigen::Vector2d next_ns = old_ns - row.slide_mass * slip;
+  const double length_ns = next_ns.norm();
+  if (length_ns > limit_ns) next_ns *= limit_ns / length_ns;
+  const Eigen::Vector2d change_ns = next_ns - old_ns;
+  for (std::size_t k = 0; k < 2; ++k) {
+    row.friction_ns[k] = next_ns[static_cast<Eigen::Index>(k)];
+    turn(row.slide[k], change_ns[static_cast<Eigen::Index>(k)], a, b);
+  }
+  shift(row, change_ns[0] * row.tangent[0] + change_ns[1] * row.tangent[1], a, b);
+  const double give = row.normal.dot(row.twist.turn_a + row.twist.turn_b);
+  const double spin = row.normal.dot(b.angular - a.angular);
+  const double most_nms = limit_ns * row.twist_arm_m;
+  const double twist_nms = give > 0.0 ? row.twist_nms - spin / give : 0.0;
+  const double twist_change_nms = std::clamp(twist_nms, -most_nms, most_nms) - row.twist_nms;
+  row.twist_nms += twist_change_nms;
+  turn(row.twist, twist_change_nms, a, b);
+  return std::max((row.slide_response * change_ns).norm(),
+                  std::abs(twist_change_nms) * give * row.twist_arm_m);
 }
 
 // The motion of one rigid body that has the momentum and the angular momentum of all members.
@@ -110,11 +161,7 @@ double kinetic_j(const GroupMember& m, const Twist& velocity) {
 }  // namespace
 
 double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity) {
-  for (ReboundRow& row : rows) {
-    for (std::size_t p = 0; p < row.count; ++p) {
-      for (std::size_t q = 0; q < row.count; ++q) row.response[p][q] = response(row, p, q);
-    }
-  }
+  for (ReboundRow& row : rows) prepare(row);
   std::vector<int> changed_in(velocity.size(), 0);  // the last sweep that moved the body
   double changed_mps = 0.0;
   for (int sweep = 1; sweep <= k_rebound_sweeps; ++sweep) {
@@ -124,20 +171,23 @@ double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<T
       if (changed_in[at(row.body_a)] < sweep - 1 && changed_in[at(row.body_b)] < sweep - 1) {
         continue;
       }
-      const double change_mps =
-          settle_row(row, enough_mps, velocity[at(row.body_a)], velocity[at(row.body_b)]);
+      Twist& a = velocity[at(row.body_a)];
+      Twist& b = velocity[at(row.body_b)];
+      double change_mps = settle_normals(row, enough_mps, a, b);
+      if (row.friction > 0.0) change_mps = std::max(change_mps, settle_friction(row, a, b));
       if (change_mps <= enough_mps) continue;
       changed_mps = std::max(changed_mps, change_mps);
       if (row.inverse_mass_a > 0.0) changed_in[at(row.body_a)] = sweep;
       if (row.inverse_mass_b > 0.0) changed_in[at(row.body_b)] = sweep;
     }
-    if (changed_mps == 0.0) break;
+    const bool fine = sweep < k_rebound_fine_sweeps;
+    if (changed_mps <= (fine ? 0.0 : k_rebound_coarse * enough_mps)) break;
   }
   return changed_mps;
 }
 
-double limit_energy(std::span<GroupMember> members, bool grounded, double allowed_j) {
-  const RigidMotion rigid = grounded ? RigidMotion{} : rigid_motion(members);
+double limit_energy(std::span<GroupMember> members, double allowed_j) {
+  const RigidMotion rigid = rigid_motion(members);
   const auto shared = [&](const GroupMember& m) -> Twist {
     const Eigen::Vector3d r = m.position_m - rigid.centre_m;
     return {rigid.velocity.linear + rigid.velocity.angular.cross(r), rigid.velocity.angular};

@@ -1,7 +1,6 @@
-// Newton's law of restitution for all contacts of a step at once, and the energy that it may not
-// exceed.
+// The laws of impact for all contacts of a step at once, and the energy that it may not exceed.
 //
-// Both work on velocities alone, where the sub-steps left them, in double precision.
+// All work on what the step applied in sum, where the sub-steps left it, in double precision.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,33 +15,55 @@ struct Twist {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
 };
 
-// A manifold that was pushed during the step. Every point gets an impulse along the normal, from a
-// to b, so that its velocity of separation is at least the target.
+// A manifold that was pushed during the step, and what it got: every point an impulse along the
+// normal, from a to b, so that its velocity of separation is at least the target; all of them
+// together one along the tangents in the middle of the points, and a twist about the normal.
 struct ReboundRow {
   static constexpr std::size_t k_points = 4;
+  // A direction at a place: lever x direction, and what an impulse of 1 N s adds to the spins.
+  struct Arm {
+    Eigen::Vector3d on_a = Eigen::Vector3d::Zero(), on_b = Eigen::Vector3d::Zero();
+    Eigen::Vector3d turn_a = Eigen::Vector3d::Zero(), turn_b = Eigen::Vector3d::Zero();
+  };
   int body_a = 0;
   int body_b = 0;
   std::size_t count = 0;        // of points
   double inverse_mass_a = 0.0;  // 0: fixed
   double inverse_mass_b = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  std::array<Eigen::Vector3d, k_points> arm_a, arm_b;    // lever x normal
-  std::array<Eigen::Vector3d, k_points> turn_a, turn_b;  // what an impulse of 1 N s adds to a spin
+  std::array<Eigen::Vector3d, 2> tangent;
+  std::array<Arm, k_points> point;
+  std::array<Arm, 2> slide;  // of the tangents
+  Arm twist;                 // of the normal, without a lever
   std::array<double, k_points> target_mps{};
-  std::array<double, k_points> least_ns{};  // <= 0: what the point can give back
-  std::array<std::array<double, k_points>, k_points> response{};  // set by settle_rebound()
-  std::array<double, k_points> impulse_ns{};                      // result
+  double friction = 0.0;
+  double twist_arm_m = 0.0;  // friction holds a twist at this distance from the middle
+  // Of the whole step; the velocities contain them. Changed by settle_rebound().
+  std::array<double, k_points> impulse_ns{};  // >= 0
+  std::array<double, 2> friction_ns{};
+  double twist_nms = 0.0;
+  // Set by settle_rebound().
+  std::array<std::array<double, k_points>, k_points> response{};
+  Eigen::Matrix2d slide_response = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2d slide_mass = Eigen::Matrix2d::Zero();
 };
 
-// Finds impulses r >= least and velocities u of separation with u >= target and
-// (r - least)(u - target) = 0, by sweeps over the rows that each solve one row for itself (block
-// Gauss-Seidel; the row by projected Gauss-Seidel on its points). Ends when no row changes a
-// velocity by more than enough_mps, or after k_rebound_sweeps; returns the last change (m/s).
-// velocity: (bodies); fixed bodies stay.
-// Source: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988
-// (Newton's law as a complementarity problem of all contacts).
+// Finds impulses r >= 0 and velocities u of separation with u >= target and r (u - target) = 0, and
+// friction within Coulomb's cone that stops what slides, or is as large as it may be, by sweeps
+// over the rows that each solve one row for itself (block Gauss-Seidel; the normals of a row by
+// projected Gauss-Seidel on its points, then its friction). Begins with the impulses of the rows.
+// Ends when no row changes a velocity by more than enough_mps, or after k_rebound_sweeps; returns
+// the last change (m/s). velocity: (bodies); fixed bodies stay. Source: J. J. Moreau, Unilateral
+// contact and dry friction in finite freedom dynamics, 1988 (Newton's and Coulomb's law at the end
+// of the step as one problem of all contacts). Without restitution the contacts give nothing to the
+// velocities that they end with (Carnot), so that the bodies have no more kinetic energy than if
+// none had touched.
 inline constexpr double k_rebound_share = 1e-5;  // of the fastest approach: enough
-inline constexpr int k_rebound_sweeps = 32;
+inline constexpr int k_rebound_sweeps = 64;
+// After so many sweeps this many times as much is enough: in crowds friction and pressure may go on
+// handing each other the last ten-thousandth for ever.
+inline constexpr int k_rebound_fine_sweeps = 16;
+inline constexpr double k_rebound_coarse = 100.0;
 double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity);
 
 // A body of a group whose contacts join them, at the end of the step.
@@ -55,8 +76,8 @@ struct GroupMember {
 
 // Where the group has more kinetic energy than allowed_j, all motion of its members against each
 // other shrinks by one factor. Momentum and angular momentum stay; velocities of separation keep
-// their sign, so that no contact begins to close. `grounded`: something fixed is in the group, and
-// all motion counts. Returns what it took, J. A group's rigid motion is never slowed.
-double limit_energy(std::span<GroupMember> members, bool grounded, double allowed_j);
+// their sign, so that no contact begins to close. Returns what it took, J. A group's rigid motion
+// is never slowed.
+double limit_energy(std::span<GroupMember> members, double allowed_j);
 
 }  // namespace ourengine

@@ -41,6 +41,7 @@ struct alignas(64) SoftPoint {
   Lane gap;          // m, at the start of the step
   Lane gap_now;      // m, where the bodies are in the current sub-step
   Lane impulse;      // N s per sub-step, accumulated
+  Lane carried;      // N s: what it began the sub-step with
   Lane bounce;       // m/s: velocity to leave with if pushed; < 0: not struck
   Lane max_impulse;  // largest impulse of the step
   Lane total;        // N s: what all sub-steps applied
@@ -54,8 +55,9 @@ struct alignas(64) SoftBatch {
   Lane inverse_mass_a;
   Lane inverse_mass_b;
   std::array<SoftPoint, k_soft_points> point;
-  int points = 0;  // largest number of points over the lanes
-  int lanes = 0;   // in use, from the front; sweeps need not touch the rest
+  int points = 0;       // largest number of points over the lanes
+  int lanes = 0;        // in use, from the front; sweeps need not touch the rest
+  bool struck = false;  // some lane comes fast enough to bounce
   std::array<SoftRow, 2> friction_row;
   Lane friction_mass_11, friction_mass_12, friction_mass_22;  // inverse of the 2x2 matrix
   std::array<Lane, 2> friction_impulse;
@@ -67,6 +69,7 @@ struct alignas(64) SoftBatch {
   Lane twist_total;
   Lane twist_arm;  // m: mean distance of the points from their centre
   Lane friction;
+  Lane weight;             // N s per sub-step: what weighs and pulls on both bodies gives
   Lane3 carried_friction;  // N s per sub-step on b, world axes: of the last step
 };
 

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "adapters/seam/shape.hpp"
 #include "experiments/exact/schemes/scheme_map.hpp"
@@ -13,12 +14,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-// A row is solved for itself in so many rounds at most.
-constexpr int k_row_rounds = 64;
-// Of what is enough between rows, and of what the first round changed: enough within one.
-constexpr double k_row_share = 0.1;
-constexpr double k_round_share = 0.01;
 
 Matrix3d world_inertia(const Body& body, const State& state) {
   const Matrix3d r = state.orientation.toRotationMatrix();
@@ -33,11 +28,15 @@ double kinetic_energy_j(const Body& body, const State& state, const Vector3d& ve
 
 }  // namespace
 
+std::size_t SoftMap::island_of(const Row& row, const Islands& islands) const {
+  return islands.of[row.a.fixed ? row.b.body : row.a.body];
+}
+
 // Bodies that pushed each other belong together; what is fixed does not join them.
 SoftMap::Islands SoftMap::islands() const {
   const std::size_t n = run_.world.bodies.size();
   Islands islands{std::vector<std::size_t>(n), std::vector<bool>(n), std::vector<bool>(n),
-                  std::vector<bool>(n)};
+                  std::vector<Law>(n, Law::none)};
   for (std::size_t i = 0; i < n; ++i) islands.of[i] = i;
   const auto pushed = [](const Row& row) {
     return std::ranges::any_of(row.points, &Point::pushed);
@@ -52,9 +51,12 @@ SoftMap::Islands SoftMap::islands() const {
   }
   for (const Row& row : rows_) {
     if (!pushed(row)) continue;
-    const std::size_t island = islands.of[row.a.fixed ? row.b.body : row.a.body];
+    const std::size_t island = island_of(row, islands);
     if (row.a.fixed || row.b.fixed) islands.grounded[island] = true;
-    if (std::ranges::any_of(row.points, &Point::struck)) islands.struck[island] = true;
+    if (std::ranges::none_of(row.points, &Point::struck)) continue;
+    const bool bounces = contact_law(run_.world, row.a.body, row.b.body).restitution > 0.0;
+    Law& law = islands.law[island];
+    law = bounces || law == Law::bounce ? Law::bounce : Law::plastic;
   }
   return islands;
 }
@@ -66,107 +68,50 @@ std::vector<SoftMap::Row*> SoftMap::in_order_of_pairs() {
   return rows;
 }
 
-Vector3d SoftMap::spin_change(std::size_t i, const State& state, const Vector3d& moment_nms) const {
-  const Body& body = run_.world.bodies[i];
-  if (body.fixed) return Vector3d::Zero();
-  const Matrix3d r = state.orientation.toRotationMatrix();
-  return r * (r.transpose() * moment_nms).cwiseQuotient(body.inertia_kgm2);
-}
-
-// Projected Gauss-Seidel on the pushed points of one manifold. Returns by how much the velocity of
-// one of them changed.
-double SoftMap::settle_row(Row& row, double enough_mps, std::span<const State> states,
-                           std::vector<Motion>& motions) const {
-  const auto inverse_mass = [&](const Side& s) {
-    return s.fixed ? 0.0 : 1.0 / run_.world.bodies[s.body].mass_kg;
-  };
-  const double mass_a = inverse_mass(row.a), mass_b = inverse_mass(row.b);
-  std::vector<Point*> points;
-  for (Point& point : row.points) {
-    if (point.pushed()) points.push_back(&point);
-  }
-  const std::size_t n = points.size();
-  if (n == 0) return 0.0;
-  Motion& a = motions[row.a.body];
-  Motion& b = motions[row.b.body];
-  const Vector3d& normal = points.front()->view.normal;
-  std::vector<Vector3d> turn_a(n), turn_b(n);
-  std::vector<double> before(n), change(n, 0.0);
-  const double apart = normal.dot(b.linear - a.linear);
-  for (std::size_t p = 0; p < n; ++p) {
-    turn_a[p] = spin_change(row.a.body, states[row.a.body], points[p]->on_a);
-    turn_b[p] = spin_change(row.b.body, states[row.b.body], points[p]->on_b);
-    const double target = points[p]->struck() ? double{points[p]->bounce_mps} : 0.0;
-    before[p] = apart + points[p]->on_b.dot(b.angular) - points[p]->on_a.dot(a.angular) - target;
-  }
-  std::vector<double> now = before;
-  const auto response = [&](std::size_t p, std::size_t q) {
-    return mass_a + mass_b + points[p]->on_a.dot(turn_a[q]) + points[p]->on_b.dot(turn_b[q]);
-  };
-  double stop_mps = k_row_share * enough_mps;
-  for (int round = 0; round < k_row_rounds; ++round) {
-    double largest_mps = 0.0;
-    for (std::size_t p = 0; p < n; ++p) {
-      Point& point = *points[p];
-      const double old_ns = point.rebound_ns;
-      const double least_ns = point.struck() ? -double{point.total_ns} : 0.0;
-      point.rebound_ns = std::max(least_ns, old_ns - now[p] / response(p, p));
-      const double step_ns = point.rebound_ns - old_ns;
-      change[p] += step_ns;
-      for (std::size_t q = 0; q < n; ++q) now[q] += response(q, p) * step_ns;
-      largest_mps = std::max(largest_mps, std::abs(step_ns) * response(p, p));
-    }
-    if (round == 0) stop_mps = std::max(stop_mps, k_round_share * largest_mps);
-    if (largest_mps <= stop_mps) break;
-  }
-  double sum_ns = 0.0, changed_mps = 0.0;
-  for (std::size_t p = 0; p < n; ++p) {
-    sum_ns += change[p];
-    a.angular -= change[p] * turn_a[p];
-    b.angular += change[p] * turn_b[p];
-    changed_mps = std::max(changed_mps, std::abs(now[p] - before[p]));
-  }
-  a.linear -= sum_ns * mass_a * normal;
-  b.linear += sum_ns * mass_b * normal;
-  return changed_mps;
-}
-
-// Newton's law of restitution as one problem of all contacts (Moreau 1988), by sweeps to and fro
-// over the manifolds; those whose bodies no longer move are left out. Where no pair that was struck
-// bounces, of the struck manifolds alone.
+// Newton's and Coulomb's laws as one problem of all contacts of the islands that were struck
+// (Moreau 1988).
 void SoftMap::bounce(const Islands& islands, std::span<const State> states,
                      std::vector<Motion>& motions) {
-  std::vector<Row*> rows;
+  std::vector<Firm> rows;
   double fastest_mps = 0.0;
-  bool bounces = false;
-  for (const Row& row : rows_) {
-    const bool struck = std::ranges::any_of(row.points, &Point::struck);
-    bounces =
-        bounces || (struck && contact_law(run_.world, row.a.body, row.b.body).restitution > 0.0);
-  }
   for (Row* row : in_order_of_pairs()) {
-    if (!bounces && std::ranges::none_of(row->points, &Point::struck)) continue;
-    if (!islands.struck[islands.of[row->a.fixed ? row->b.body : row->a.body]]) continue;
+    if (islands.law[island_of(*row, islands)] == Law::none) continue;
     if (std::ranges::none_of(row->points, &Point::pushed)) continue;
-    rows.push_back(row);
+    rows.push_back(firm(*row, states));
     for (const Point& point : row->points) {
       if (point.struck()) fastest_mps = std::max(fastest_mps, point.approach_mps);
     }
   }
-  const double enough_mps = soft_.rebound_share * fastest_mps;
-  std::vector<int> moved_in(motions.size(), 0);
-  for (int sweep = 1; sweep <= soft_.rebound_sweeps; ++sweep) {
-    bool changed = false;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      Row& row = *rows[sweep % 2 == 1 ? k : rows.size() - 1 - k];
-      if (std::max(moved_in[row.a.body], moved_in[row.b.body]) < sweep - 1) continue;
-      if (settle_row(row, enough_mps, states, motions) <= enough_mps) continue;
-      changed = true;
-      for (const Side* side : {&row.a, &row.b}) {
-        if (!side->fixed) moved_in[side->body] = sweep;
-      }
+  settle(rows, soft_.rebound_share * fastest_mps, motions);
+  for (const Firm& row : rows) take(row);
+}
+
+// Bodies of islands that were struck go on from the last blow with the velocities that they end
+// with, but for islands that would get deeper into something than the sub-steps brought them.
+void SoftMap::move_on(const Islands& islands, const std::vector<Motion>& motions) {
+  const std::vector<Twist> trial = moved_;
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    if (run_.world.bodies[i].fixed || !islands.touched[i]) continue;
+    if (islands.law[islands.of[i]] == Law::none) continue;
+    const Vector3d slower = motions[i].linear - velocity_[i].linear.cast<double>();
+    const Vector3d turns = motions[i].angular - velocity_[i].angular.cast<double>();
+    moved_[i].linear += (after_blow_s_ * slower).cast<float>();
+    moved_[i].angular += (after_blow_s_ * turns).cast<float>();
+  }
+  std::vector<bool> meets(moved_.size(), false);
+  for (const Row& row : rows_) {
+    for (const Point& point : row.points) {
+      const auto opened_m = [&](const std::vector<Twist>& moved) {
+        return apart(row, row.normal, moved) + turning(row, point.arm, moved);
+      };
+      const double least_m = std::min(0.0F, point.gap_m) - soft_.too_deep_share * soft_.margin_m;
+      if (point.gap_m + opened_m(moved_) >= least_m) continue;
+      if (opened_m(moved_) >= opened_m(trial)) continue;
+      meets[islands.of[row.a.body]] = meets[islands.of[row.b.body]] = true;
     }
-    if (!changed) break;
+  }
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    if (meets[islands.of[i]]) moved_[i] = trial[i];
   }
 }
 
@@ -175,7 +120,6 @@ void SoftMap::remember_impulses(bool quiet) {
   for (Row& row : rows_) {
     const bool open = !quiet && std::ranges::any_of(row.points, &Point::bounced);
     for (std::size_t p = 0; p < row.points.size(); ++p) {
-      row.points[p].total_ns += static_cast<float>(row.points[p].rebound_ns);
       row.memory->impulse_ns[p] = open ? 0.0F : row.points[p].impulse_ns;
     }
     row.memory->friction_ns =
@@ -207,71 +151,179 @@ State SoftMap::end_of(std::size_t i, const State& state, const Motion& motion) c
   return end;
 }
 
-// An island whose kinetic energy exceeds what it had and what gravity and loads did on the way
-// loses of all motion against itself, or against what is fixed, by one factor. Whether that is
-// enough.
-bool SoftMap::limit_energy(const Islands& islands, std::span<const Wrench> wrenches,
-                           std::span<const State> starts, std::span<State> ends) const {
-  const std::size_t n = ends.size();
+// By the first body of each island.
+std::vector<double> SoftMap::kinetic_j(const Islands& islands, std::span<const State> ends) const {
+  std::vector<double> sums(ends.size(), 0.0);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const Body& body = run_.world.bodies[i];
+    if (!islands.touched[i] || body.fixed) continue;
+    sums[islands.of[i]] +=
+        kinetic_energy_j(body, ends[i], ends[i].velocity_mps, ends[i].angular_velocity_radps);
+  }
+  return sums;
+}
+
+// What they had, and what gravity and loads did on the way.
+std::vector<double> SoftMap::allowed_j(const Islands& islands, std::span<const Wrench> wrenches,
+                                       std::span<const State> starts) const {
+  std::vector<double> sums = kinetic_j(islands, starts);
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const Body& body = run_.world.bodies[i];
+    if (!islands.touched[i] || body.fixed) continue;
+    const Vector3d force = body.mass_kg * run_.world.gravity_mps2 + wrenches[i].force_n;
+    sums[islands.of[i]] += force.dot(moved_[i].linear.cast<double>()) +
+                           wrenches[i].torque_nm.dot(moved_[i].angular.cast<double>());
+  }
+  return sums;
+}
+
+// Between what the contacts of an island gave and what they would give without any bounce: as much
+// of the first as the energy allows, which is quadratic along the way.
+void SoftMap::bounce_less(const Islands& islands, const std::vector<bool>& exceeds,
+                          const std::vector<double>& allowed, std::span<const Wrench> wrenches,
+                          std::span<const State> starts, std::span<State> ends) {
+  std::vector<Motion> motions(ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const Vector3d momentum =
+        world_inertia(run_.world.bodies[i], ends[i]) * ends[i].angular_velocity_radps;
+    motions[i] = {ends[i].velocity_mps, spin_change(i, starts[i], momentum)};
+  }
+  std::vector<Firm> rows;
+  double fastest_m = 0.0;
+  for (Row* row : in_order_of_pairs()) {
+    const std::size_t island = island_of(*row, islands);
+    if (!exceeds[island] || islands.law[island] == Law::plastic) continue;
+    if (std::ranges::none_of(row->points, &Point::pushed)) continue;
+    rows.push_back(firm(*row, starts));
+    std::ranges::fill(rows.back().target_mps, 0.0);
+    for (const std::size_t i : {row->a.body, row->b.body}) {
+      fastest_m = std::max(fastest_m, reach_m(i, starts[i], wrenches[i]));
+    }
+  }
+  if (rows.empty()) return;
+  settle(rows, soft_.rebound_share * fastest_m / run_.step_s, motions);
+  const std::vector<State> more(ends.begin(), ends.end());
+  std::vector<State> less = more, middle = more;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (run_.world.bodies[i].fixed || !exceeds[islands.of[i]] || !islands.touched[i]) continue;
+    less[i].velocity_mps = motions[i].linear;
+    less[i].angular_velocity_radps = spin_change(
+        i, less[i], world_inertia(run_.world.bodies[i], starts[i]) * motions[i].angular);
+  }
+  const auto blend = [&](std::size_t i, double share, State& into) {
+    into.velocity_mps =
+        less[i].velocity_mps + share * (more[i].velocity_mps - less[i].velocity_mps);
+    into.angular_velocity_radps =
+        less[i].angular_velocity_radps +
+        share * (more[i].angular_velocity_radps - less[i].angular_velocity_radps);
+  };
+  for (std::size_t i = 0; i < ends.size(); ++i) blend(i, 0.5, middle[i]);
+  const std::vector<double> first = kinetic_j(islands, less), half = kinetic_j(islands, middle),
+                            last = kinetic_j(islands, more);
+  std::vector<double> share(ends.size(), 1.0);
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    if (!exceeds[k]) continue;
+    const double bend = std::max(0.0, 2.0 * (first[k] + last[k] - 2.0 * half[k]));
+    const double slope = last[k] - first[k] - bend;
+    const double room = allowed[k] - first[k];
+    share[k] = room <= 0.0
+                   ? 0.0
+                   : std::clamp(2.0 * room / (slope + std::sqrt(slope * slope + 4.0 * bend * room)),
+                                0.0, 1.0);
+  }
+  for (std::size_t i = 0; i < ends.size(); ++i) blend(i, share[islands.of[i]], ends[i]);
+  for (Firm& row : rows) {
+    const double part = share[island_of(*row.row, islands)];
+    for (std::size_t p = 0; p < row.points.size(); ++p) {
+      row.given_ns[p] += part * (row.points[p]->total_ns - row.given_ns[p]);
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      double& friction_ns = row.friction_ns[static_cast<Eigen::Index>(k)];
+      friction_ns += part * (row.row->friction_total_ns[k] - friction_ns);
+    }
+    row.twist_nms += part * (row.row->twist_total_ns - row.twist_nms);
+    take(row);
+  }
+}
+
+// All motion of the members against each other shrinks by one factor.
+void SoftMap::slow_down(const std::vector<std::size_t>& members, double allowed_j,
+                        std::span<State> ends) const {
   const auto& bodies = run_.world.bodies;
+  double mass_kg = 0.0;
+  Vector3d centre = Vector3d::Zero(), drift = Vector3d::Zero();
+  for (const std::size_t i : members) {
+    mass_kg += bodies[i].mass_kg;
+    centre += bodies[i].mass_kg * ends[i].position_m;
+    drift += bodies[i].mass_kg * ends[i].velocity_mps;
+  }
+  centre /= mass_kg;
+  drift /= mass_kg;
+  Matrix3d inertia = Matrix3d::Zero();
+  Vector3d momentum = Vector3d::Zero();
+  for (const std::size_t i : members) {
+    const Vector3d r = ends[i].position_m - centre;
+    const Matrix3d own = world_inertia(bodies[i], ends[i]);
+    inertia +=
+        own + bodies[i].mass_kg * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+    momentum += own * ends[i].angular_velocity_radps +
+                bodies[i].mass_kg * r.cross(ends[i].velocity_mps - drift);
+  }
+  const Vector3d spin = inertia.inverse() * momentum;
+  const auto shared = [&](std::size_t i) -> Vector3d {
+    return drift + spin.cross(ends[i].position_m - centre);
+  };
+  double common_j = 0.0, relative_j = 0.0;
+  for (const std::size_t i : members) {
+    common_j += kinetic_energy_j(bodies[i], ends[i], shared(i), spin);
+    relative_j += kinetic_energy_j(bodies[i], ends[i], ends[i].velocity_mps - shared(i),
+                                   ends[i].angular_velocity_radps - spin);
+  }
+  if (common_j + relative_j <= allowed_j) return;
+  const double scale =
+      relative_j > 0.0 ? std::sqrt(std::clamp((allowed_j - common_j) / relative_j, 0.0, 1.0)) : 0.0;
+  for (const std::size_t i : members) {
+    State& s = ends[i];
+    s.velocity_mps = shared(i) + scale * (s.velocity_mps - shared(i));
+    s.angular_velocity_radps = spin + scale * (s.angular_velocity_radps - spin);
+  }
+}
+
+// Whether no island ends with more energy than it may have; on the ground, up to what gravity and
+// loads do on the way that contacts cut short.
+bool SoftMap::limit_energy(const Islands& islands, std::span<const Wrench> wrenches,
+                           std::span<const State> starts, std::span<State> ends) {
+  const std::size_t n = ends.size();
+  const std::vector<double> allowed = allowed_j(islands, wrenches, starts);
+  std::vector<double> now = kinetic_j(islands, ends);
+  std::vector<bool> exceeds(n);
+  const auto note = [&] {
+    for (std::size_t k = 0; k < n; ++k) exceeds[k] = now[k] > allowed[k];
+  };
+  note();
+  if (std::ranges::none_of(exceeds, std::identity())) return true;
+  bounce_less(islands, exceeds, allowed, wrenches, starts, ends);
+  now = kinetic_j(islands, ends);
+  note();
   bool held = true;
   for (std::size_t root = 0; root < n; ++root) {
+    if (!exceeds[root]) continue;
     std::vector<std::size_t> members;
-    double allowed_j = 0.0, kinetic_j = 0.0, mass_kg = 0.0;
-    Vector3d centre = Vector3d::Zero(), drift = Vector3d::Zero();
+    double room_j = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
-      if (islands.of[i] != root || !islands.touched[i] || bodies[i].fixed) continue;
+      const Body& body = run_.world.bodies[i];
+      if (islands.of[i] != root || !islands.touched[i] || body.fixed) continue;
       members.push_back(i);
-      const Vector3d force = bodies[i].mass_kg * run_.world.gravity_mps2 + wrenches[i].force_n;
-      allowed_j += kinetic_energy_j(bodies[i], starts[i], starts[i].velocity_mps,
-                                    starts[i].angular_velocity_radps) +
-                   force.dot(moved_[i].linear.cast<double>()) +
-                   wrenches[i].torque_nm.dot(moved_[i].angular.cast<double>());
-      kinetic_j += kinetic_energy_j(bodies[i], ends[i], ends[i].velocity_mps,
-                                    ends[i].angular_velocity_radps);
-      mass_kg += bodies[i].mass_kg;
-      centre += bodies[i].mass_kg * ends[i].position_m;
-      drift += bodies[i].mass_kg * ends[i].velocity_mps;
+      const Vector3d force = body.mass_kg * run_.world.gravity_mps2 + wrenches[i].force_n;
+      room_j += force.norm() *
+                (reach_m(i, starts[i], wrenches[i]) + moved_[i].linear.cast<double>().norm());
     }
-    if (members.empty() || kinetic_j <= allowed_j) continue;
-    Vector3d spin = Vector3d::Zero();
-    centre /= mass_kg;
-    drift /= mass_kg;
-    if (islands.grounded[root]) {
-      centre.setZero();
-      drift.setZero();
-    } else {
-      Matrix3d inertia = Matrix3d::Zero();
-      Vector3d momentum = Vector3d::Zero();
-      for (const std::size_t i : members) {
-        const Vector3d r = ends[i].position_m - centre;
-        const Matrix3d own = world_inertia(bodies[i], ends[i]);
-        inertia +=
-            own + bodies[i].mass_kg * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
-        momentum += own * ends[i].angular_velocity_radps +
-                    bodies[i].mass_kg * r.cross(ends[i].velocity_mps - drift);
-      }
-      spin = inertia.inverse() * momentum;
+    if (!islands.grounded[root]) {
+      slow_down(members, allowed[root], ends);
+      room_j = 0.0;
     }
-    double common_j = 0.0, relative_j = 0.0;
-    const auto shared = [&](std::size_t i) -> Vector3d {
-      return drift + spin.cross(ends[i].position_m - centre);
-    };
-    for (const std::size_t i : members) {
-      common_j += kinetic_energy_j(bodies[i], ends[i], shared(i), spin);
-      relative_j += kinetic_energy_j(bodies[i], ends[i], ends[i].velocity_mps - shared(i),
-                                     ends[i].angular_velocity_radps - spin);
-    }
-    const double scale = relative_j > 0.0
-                             ? std::sqrt(std::clamp((allowed_j - common_j) / relative_j, 0.0, 1.0))
-                             : 0.0;
-    for (const std::size_t i : members) {
-      State& s = ends[i];
-      s.velocity_mps = shared(i) + scale * (s.velocity_mps - shared(i));
-      s.angular_velocity_radps = spin + scale * (s.angular_velocity_radps - spin);
-    }
-    const double left_j = common_j + scale * scale * relative_j;
-    held = held && left_j - std::max(allowed_j, 0.0) <= soft_.energy_share * kinetic_j;
+    const double left_j = kinetic_j(islands, ends)[root] - std::max(allowed[root], 0.0) - room_j;
+    held = held && left_j <= soft_.energy_share * now[root];
   }
   return held;
 }
@@ -303,13 +355,10 @@ bool SoftMap::turns_far(const Islands& islands) const {
 // freely. False where the step would be cut.
 bool SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) {
   const Islands found = islands();
-  std::vector<Motion> motions(states.size());
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (run_.world.bodies[i].fixed) continue;
-    motions[i] = {velocity_[i].linear.cast<double>(), velocity_[i].angular.cast<double>()};
-  }
+  std::vector<Motion> motions = given(wrenches, states);
   const bool quiet = is_quiet(found, wrenches, states);
   if (!quiet) bounce(found, states, motions);
+  if (!quiet && after_blow_s_ > 0.0) move_on(found, motions);
   remember_impulses(quiet);
   const std::vector<State> starts(states.begin(), states.end());
   for (std::size_t i = 0; i < states.size(); ++i) {

@@ -245,6 +245,53 @@ void SoftMap::count() {
   }
 }
 
+// Whether some impulse is beyond twice what the sub-step began with and the weight.
+bool SoftMap::has_blow() const {
+  return std::ranges::any_of(rows_, [](const Row& row) {
+    return std::ranges::any_of(row.points, [&](const Point& point) {
+      return point.impulse_ns > 2.0F * point.carried_ns + row.weight_ns;
+    });
+  });
+}
+
+// What is beyond does not go on to the next sub-step: it is added to the velocities that the bodies
+// would have without contact.
+void SoftMap::drop_blows(std::vector<Twist>& flown) {
+  const auto push = [&](const Row& row, const Vector* direction, const Arm& arm, float impulse) {
+    for (const bool of_b : {false, true}) {
+      const Side& side = of_b ? row.b : row.a;
+      if (side.fixed) continue;
+      const float sign = of_b ? 1.0F : -1.0F;
+      if (direction != nullptr) {
+        flown[side.body].linear += sign * (impulse * side.inverse_mass) * *direction;
+      }
+      flown[side.body].angular += sign * impulse * (of_b ? arm.turn_b : arm.turn_a);
+    }
+  };
+  for (Row& row : rows_) {
+    float all_ns = 0.0F, kept_ns = 0.0F;
+    for (Point& point : row.points) {
+      const float load_ns = std::min(point.impulse_ns, 2.0F * point.carried_ns + row.weight_ns);
+      all_ns += point.impulse_ns;
+      kept_ns += load_ns;
+      if (load_ns < point.impulse_ns) {
+        push(row, &row.normal, point.arm, point.impulse_ns - load_ns);
+      }
+      point.carried_ns = point.impulse_ns = load_ns;
+    }
+    if (!(kept_ns < all_ns)) continue;
+    const float share = 1.0F - kept_ns / all_ns;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const float dropped_ns = share * row.friction_ns[k];
+      push(row, &row.tangent[k], row.friction_arm[k], dropped_ns);
+      row.friction_ns[k] -= dropped_ns;
+    }
+    const float dropped = share * row.twist_ns;
+    push(row, nullptr, row.twist, dropped);
+    row.twist_ns -= dropped;
+  }
+}
+
 // Whether some known point ends deeper than it was, and than zero, by too much.
 bool SoftMap::leaves_too_deep() const {
   for (const Row& row : rows_) {
@@ -315,6 +362,10 @@ void SoftMap::run_substeps(std::span<const Wrench> wrenches, std::span<const Sta
       if (!run_.world.bodies[i].fixed) change(i);
     }
   };
+  after_blow_s_ = 0.0;
+  const bool blows = std::ranges::any_of(rows_, [](const Row& row) {
+    return std::ranges::any_of(row.points, [](const Point& p) { return p.approach_mps > 0.0; });
+  });
   for (int s = 0; s < soft_.substeps; ++s) {
     for_twists([&](std::size_t i) {
       const Twist flown = {velocity_[i].linear + free[i].linear,
@@ -322,13 +373,20 @@ void SoftMap::run_substeps(std::span<const Wrench> wrenches, std::span<const Sta
       velocity_[i] = {flown.linear + carried[i].linear, flown.angular + carried[i].angular};
       carried[i] = flown;
     });
-    for (int k = 0; k < sweeps_; ++k) sweep(true, (s + k) % 2 == 0);
+    int sweeps = sweeps_;
+    for (int k = 0; k < sweeps; ++k) {
+      sweep(true, (s + k) % 2 == 0);
+      if (k > 0 || !blows || !has_blow()) continue;
+      sweeps = soft_.most_sweeps;
+      after_blow_s_ = h * (soft_.substeps - 1 - s);
+    }
     for_twists([&](std::size_t i) {
       moved_[i].linear += static_cast<float>(h) * velocity_[i].linear;
       moved_[i].angular += static_cast<float>(h) * velocity_[i].angular;
     });
-    for (int k = 0; k < sweeps_; ++k) sweep(false, (s + k) % 2 != 0);
+    for (int k = 0; k < sweeps; ++k) sweep(false, (s + k) % 2 != 0);
     count();
+    if (blows) drop_blows(carried);
     for_twists([&](std::size_t i) {
       carried[i] = {velocity_[i].linear - carried[i].linear,
                     velocity_[i].angular - carried[i].angular};

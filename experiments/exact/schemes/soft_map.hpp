@@ -34,8 +34,8 @@ class SoftMap {
   // What the last step applied: friction shared evenly, the twist in proportion to the distance.
   std::vector<Contact> contacts() const;
 
-  // How often a sub-step's sweeps were repeated in the last step: twice as often as long as they
-  // leave a known contact too deep, up to the scheme's limit.
+  // How often a sub-step's sweeps were repeated in the last step, blows apart: twice as often as
+  // long as they leave a known contact too deep, up to the scheme's limit.
   int sweeps() const { return sweeps_; }
 
  private:
@@ -73,12 +73,11 @@ class SoftMap {
     float mass = 0.0F;
     float gap_m = 0.0F, gap_now_m = 0.0F;
     float impulse_ns = 0.0F, largest_ns = 0.0F;
-    double approach_mps = 0.0;   // at the step's start; 0: too slow to be a hit
-    float bounce_mps = 0.0F;     // what Newton's law makes of it
-    float total_ns = 0.0F;       // of the step
-    Contact view;                // at the start of the step
-    Eigen::Vector3d on_a, on_b;  // lever x normal, in double precision
-    double rebound_ns = 0.0;
+    double approach_mps = 0.0;  // at the step's start; 0: too slow to be a hit
+    float bounce_mps = 0.0F;    // what Newton's law makes of it
+    float total_ns = 0.0F;      // of the step
+    float carried_ns = 0.0F;    // what it began the sub-step with
+    Contact view;               // at the start of the step
     bool pushed() const { return largest_ns > 0.0F; }
     bool struck() const { return pushed() && approach_mps > 0.0; }
     bool bounced() const { return pushed() && bounce_mps > 0.0F; }
@@ -98,6 +97,7 @@ class SoftMap {
     Arm twist;  // about the normal
     float twist_mass = 0.0F, twist_lever_m = 0.0F, twist_ns = 0.0F;
     float twist_total_ns = 0.0F;
+    float weight_ns = 0.0F;  // of both bodies with what pulls on them, per sub-step
   };
   struct Twist {  // linear and angular part
     Vector linear = Vector::Zero(), angular = Vector::Zero();
@@ -105,9 +105,29 @@ class SoftMap {
   struct Motion {  // the same in double precision, once the sub-steps are done
     Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
   };
+  // A row in double precision, and what it gave in the whole step.
+  struct FirmArm {
+    Eigen::Vector3d on_a, on_b, turn_a, turn_b;
+  };
+  struct Firm {
+    Row* row = nullptr;
+    double mass_a = 0.0, mass_b = 0.0;  // inverse
+    Eigen::Vector3d normal;
+    std::array<Eigen::Vector3d, 2> tangent;
+    std::vector<Point*> points;  // that were pushed
+    std::vector<FirmArm> arms;
+    std::array<FirmArm, 2> slide;
+    FirmArm twist;
+    std::vector<double> target_mps, given_ns;
+    Eigen::Matrix2d response, mass;
+    Eigen::Vector2d friction_ns;
+    double twist_nms = 0.0, twist_lever_m = 0.0;
+  };
+  enum class Law { none, plastic, bounce };
   struct Islands {
     std::vector<std::size_t> of;  // (bodies) the first body of the island
-    std::vector<bool> touched, grounded, struck;
+    std::vector<bool> touched, grounded;
+    std::vector<Law> law;  // that the island was held to
   };
   using Points = std::span<const TouchingPoint>;  // of one pair
 
@@ -119,6 +139,7 @@ class SoftMap {
   void inherit(const Memory& old, Memory& next) const;
   bool remember(std::span<const Wrench> wrenches, std::span<const State> states, std::string& why);
   bool fill_points(Row& row, std::span<const State> states) const;
+  float weight_ns(const Memory& memory, std::span<const Wrench> wrenches) const;
   void make_rows(std::span<const Wrench> wrenches, std::span<const State> states);
 
   // soft_map.cpp: what they do.
@@ -137,24 +158,42 @@ class SoftMap {
   void serve_twist(Row& row, float load_ns);
   void sweep(bool biased, bool forwards);
   void count();
+  bool has_blow() const;
+  void drop_blows(std::vector<Twist>& flown);
   void run_substeps(std::span<const Wrench> wrenches, std::span<const State> states);
   bool leaves_too_deep() const;
   bool overlooks(std::span<const State> ends) const;
 
-  // soft_ending.cpp: how a step ends once its contacts are settled.
-  Islands islands() const;
-  std::vector<Row*> in_order_of_pairs();
+  // soft_laws.cpp: the laws of impact for the whole step.
   Eigen::Vector3d spin_change(std::size_t body, const State& state,
                               const Eigen::Vector3d& moment_nms) const;
-  double settle_row(Row& row, double enough_mps, std::span<const State> states,
-                    std::vector<Motion>& motions) const;
+  Firm firm(Row& row, std::span<const State> states) const;
+  std::vector<Motion> given(std::span<const Wrench> wrenches, std::span<const State> states);
+  static double settle_normals(Firm& row, double enough_mps, std::vector<Motion>& motions);
+  static double settle_friction(Firm& row, std::vector<Motion>& motions);
+  void settle(std::vector<Firm>& rows, double enough_mps, std::vector<Motion>& motions) const;
+  static void take(const Firm& row);
+
+  // soft_ending.cpp: how a step ends once its contacts are settled.
+  Islands islands() const;
+  std::size_t island_of(const Row& row, const Islands& islands) const;
+  std::vector<Row*> in_order_of_pairs();
   void bounce(const Islands& islands, std::span<const State> states, std::vector<Motion>& motions);
+  void move_on(const Islands& islands, const std::vector<Motion>& motions);
   bool is_quiet(const Islands& islands, std::span<const Wrench> wrenches,
                 std::span<const State> states) const;
   void remember_impulses(bool quiet);
   State end_of(std::size_t body, const State& state, const Motion& motion) const;
+  std::vector<double> kinetic_j(const Islands& islands, std::span<const State> ends) const;
+  std::vector<double> allowed_j(const Islands& islands, std::span<const Wrench> wrenches,
+                                std::span<const State> starts) const;
+  void bounce_less(const Islands& islands, const std::vector<bool>& exceeds,
+                   const std::vector<double>& allowed, std::span<const Wrench> wrenches,
+                   std::span<const State> starts, std::span<State> ends);
+  void slow_down(const std::vector<std::size_t>& members, double allowed_j,
+                 std::span<State> ends) const;
   bool limit_energy(const Islands& islands, std::span<const Wrench> wrenches,
-                    std::span<const State> starts, std::span<State> ends) const;
+                    std::span<const State> starts, std::span<State> ends);
   bool turns_far(const Islands& islands) const;
   bool finish(std::span<const Wrench> wrenches, std::span<State> states);
 
@@ -165,6 +204,7 @@ class SoftMap {
   std::vector<Row> rows_;         // sorted by colour
   std::vector<Twist> velocity_, moved_;
   int sweeps_ = 1;
+  double after_blow_s_ = 0.0;  // from the last blow of the step to its end
 };
 
 }  // namespace brickbench::exact

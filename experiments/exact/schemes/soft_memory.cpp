@@ -226,10 +226,8 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     Point point;
     point.lever_a = lever_a.cast<float>();
     point.lever_b = lever_b.cast<float>();
-    point.on_a = lever_a.cross(normal);
-    point.on_b = lever_b.cross(normal);
     point.gap_m = point.gap_now_m = static_cast<float>(gap_m);
-    point.impulse_ns = memory.impulse_ns[p];
+    point.impulse_ns = point.carried_ns = memory.impulse_ns[p];
     point.view = {memory.body_a, memory.body_b, a.position_m + lever_a,
                   normal,        gap_m,         Vector3d::Zero()};
     const double speed = normal.dot(b.velocity_mps + b.angular_velocity_radps.cross(lever_b) -
@@ -241,6 +239,21 @@ bool SoftMap::fill_points(Row& row, std::span<const State> states) const {
     row.points.push_back(point);
   }
   return near;
+}
+
+// Of both bodies, with the size of what pulls on them, torques with the lever of the body's radius,
+// in a sub-step.
+float SoftMap::weight_ns(const Memory& memory, std::span<const Wrench> wrenches) const {
+  double weight_n = 0.0, load_n = 0.0;
+  for (const std::size_t i : {memory.body_a, memory.body_b}) {
+    const Body& body = run_.world.bodies[i];
+    if (body.fixed) continue;
+    weight_n += body.mass_kg * run_.world.gravity_mps2.norm();
+    load_n +=
+        wrenches[i].force_n.norm() + wrenches[i].torque_nm.norm() / bounding_radius_m(body.shape);
+  }
+  return static_cast<float>(run_.step_s / soft_.substeps *
+                            (weight_n + double{static_cast<float>(load_n)}));
 }
 
 // One row per manifold that may close within the step, coloured greedily in the order of the pairs.
@@ -260,6 +273,7 @@ void SoftMap::make_rows(std::span<const Wrench> wrenches, std::span<const State>
       memory.twist_ns = 0.0F;
       continue;
     }
+    row.weight_ns = weight_ns(memory, wrenches);
     row.a = side(memory.body_a, states[memory.body_a]);
     row.b = side(memory.body_b, states[memory.body_b]);
     const auto used = [&](const Side& s) {
