@@ -26,11 +26,13 @@ engine::Options options_of(const World& world, const Settings& settings) {
           .contact_tolerance_m = value("contact_tolerance_m"),
           .collision_velocity_mps = value("collision_velocity_mps"),
           .max_collision_sweeps = static_cast<int>(value("max_collision_sweeps")),
+          .hits_at_once = value("hits_at_once") == 1.0,
           .velocity_share = value("velocity_share"),
           .motion = value("forward_euler") == 1.0 ? engine::Motion::forward_euler
                                                   : engine::Motion::constant_force,
           .overlap_share = value("overlap_share"),
           .overlap_slop_m = value("overlap_slop_m"),
+          .depth_share = value("depth_share"),
           .max_bisections = static_cast<int>(value("max_bisections"))};
 }
 
@@ -94,6 +96,7 @@ class BaraffSimulation final : public Simulation,
                     {"retried_solves", "1", double(report.retried)},
                     {"overlaps_left", "1", double(report.overlaps_left)},
                     {"bisections", "1", double(report.bisections)},
+                    {"pieces", "1", double(report.pieces)},
                     {"colliding_iterations", "1", double(report.colliding_iterations)},
                     {"collisions_unfinished", "1", report.collisions_unfinished ? 1.0 : 0.0},
                     {"overlap_energy_j", "J", report.overlap_energy_j},
@@ -102,7 +105,7 @@ class BaraffSimulation final : public Simulation,
                     {"unsolved", "1", report.unsolved ? 1.0 : 0.0},
                     {"failed", "1", report.failed ? 1.0 : 0.0}};
     flags_ = {};
-    flags_.raise(Flag::unsolved, report.collisions_unfinished || report.failed);
+    flags_.raise(Flag::unsolved, report.collisions_unfinished || report.hasty || report.failed);
     flags_.raise(Flag::overlap_left, report.overlaps_left > 0);
     for (const engine::RigidBody& body : simulator_.bodies()) {
       if (!body.position_m.allFinite() || !body.orientation.coeffs().allFinite() ||
@@ -201,6 +204,8 @@ Audit BaraffSimulation::audit() const {
   fact("velocity_share", "1", o.velocity_share);
   fact("overlap_share", "1", o.overlap_share);
   fact("overlap_slop_m", "m", o.overlap_slop_m);
+  fact("hits_at_once", "1", o.hits_at_once ? 1.0 : 0.0);
+  fact("depth_share", "1", o.depth_share);
   fact("max_bisections", "1", o.max_bisections);
   return audit;
 }

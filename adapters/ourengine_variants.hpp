@@ -19,6 +19,12 @@ inline constexpr std::array k_baraff_knobs = {
             "slower approach is resting contact and does not bounce"},
     KnobRow{"max_collision_sweeps", "1", 20000, 20000, 1, 1e6, true,
             "sweeps of colliding contact per step"},
+    KnobRow{"hits_at_once", "1", 0, 1, 0, 1, true,
+            "1: all points of a pair, and all contacts without restitution, are hit at once; 0: "
+            "one after the other"},
+    KnobRow{"depth_share", "1", 0, 0.25, 0, 1, false,
+            "a step is cut where a pair could get deeper than this share of its thinner body; 0: "
+            "never"},
     KnobRow{"forward_euler", "1", 1, 0, 0, 1, true,
             "1: the paper's motion of bodies; 0: exact for a force that is held over the step"},
     KnobRow{"velocity_share", "1", 0, 1, 0, 1, false,
