@@ -73,10 +73,12 @@ std::optional<Scheme> baraff_scheme(const Settings& settings) {
                                      .border_share = ourengine::baraff::k_border_share,
                                      .collision_velocity_mps = value("collision_velocity_mps"),
                                      .most_sweeps = static_cast<int>(value("max_collision_sweeps")),
+                                     .hits_at_once = value("hits_at_once") == 1.0,
                                      .velocity_share = value("velocity_share"),
                                      .overlap_share = value("overlap_share"),
                                      .overlap_slop_m = value("overlap_slop_m"),
-                                     .slow_hit_steps = ourengine::baraff::Options{}.slow_hit_steps};
+                                     .slow_hit_steps = ourengine::baraff::Options{}.slow_hit_steps,
+                                     .depth_share = value("depth_share")};
   return scheme;
 }
 

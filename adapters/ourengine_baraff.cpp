@@ -80,6 +80,7 @@ class BaraffSimulation final : public Simulation,
                     {"retried_solves", "1", double(report.retried)},
                     {"overlaps_left", "1", double(report.overlaps_left)},
                     {"bisections", "1", double(report.bisections)},
+                    {"pieces", "1", double(report.pieces)},
                     {"colliding_iterations", "1", double(report.colliding_iterations)},
                     {"collisions_unfinished", "1", report.collisions_unfinished ? 1.0 : 0.0},
                     {"overlap_energy_j", "J", report.overlap_energy_j},
@@ -88,7 +89,7 @@ class BaraffSimulation final : public Simulation,
                     {"unsolved", "1", report.unsolved ? 1.0 : 0.0},
                     {"failed", "1", report.failed ? 1.0 : 0.0}};
     flags_ = {};
-    flags_.raise(Flag::unsolved, report.collisions_unfinished || report.failed);
+    flags_.raise(Flag::unsolved, report.collisions_unfinished || report.hasty || report.failed);
     flags_.raise(Flag::overlap_left, report.overlaps_left > 0);
     if (report.failed) {
       return fail(

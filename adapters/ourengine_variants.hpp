@@ -40,6 +40,14 @@ inline constexpr std::array k_baraff_knobs = {
     held<&BaraffOptions::max_collision_sweeps>(BaraffRow{"max_collision_sweeps", "1", 20000, 20000,
                                                          1, 1e6, true,
                                                          "sweeps of colliding contact per step"}),
+    held<&BaraffOptions::hits_at_once>(
+        BaraffRow{"hits_at_once", "1", 0, 1, 0, 1, true,
+                  "1: all points of a pair, and all contacts without restitution, are hit at once; "
+                  "0: one after the other"}),
+    held<&BaraffOptions::depth_share>(BaraffRow{
+        "depth_share", "1", 0, 0.25, 0, 1, false,
+        "a step is cut where a pair could get deeper than this share of its thinner body; "
+        "0: never"}),
     BaraffRow{"forward_euler", "1", 1, 0, 0, 1, true,
               "1: the paper's motion of bodies; 0: exact for a force that is held over the step",
               [](BaraffOptions& o, double value) {

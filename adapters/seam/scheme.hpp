@@ -142,13 +142,18 @@ struct SoftContact {
 
 // Contact in two stages, at the pose of the step's start: points that approach fast are hit one
 // after the other, in the order of the list, sweep after sweep until none does, with Newton's
-// restitution; those that do not separate then get the forces that keep all gaps from closing, at
-// the level of accelerations. Frictionless. D. Baraff, Rigid Body Simulation II, sections 7 to 9.
+// restitution, or in groups that are hit at once; those that do not separate then get the forces
+// that keep all gaps from closing, at the level of accelerations. Frictionless. D. Baraff, Rigid
+// Body Simulation II, sections 7 to 9.
 struct SequentialContact {
-  double margin_m = 0.0;                // a contact exists where gap <= margin
+  // A pair touches where its least gap <= margin, in all points open by at most a margin more.
+  double margin_m = 0.0;
   double border_share = 0.0;            // of the thinnest half extent: closer to a border is on it
   double collision_velocity_mps = 0.0;  // a slower approach is resting contact
   int most_sweeps = 0;
+  // All contacts of restitution 0 are one group, those of each other pair of bodies one more. In a
+  // group every contact leaves with at least its share of the approach (Moreau 1988).
+  bool hits_at_once = false;
   double velocity_share = 0.0;  // of a resting contact's normal velocity, undone within the step
   // Where gap + h v leaves an overlap beyond the slop at the step's end, v the velocity after the
   // hits that moves the bodies (PositionRule), this share of it is undone last, before the step's
@@ -158,6 +163,8 @@ struct SequentialContact {
   // Not where a contact separates faster than the collision velocity, unless it was hit in this
   // step at less than this many steps of gravity.
   double slow_hit_steps = 0.0;
+  // A step is cut where a pair could get deeper than this share of its thinner body; 0: never.
+  double depth_share = 0.0;
 };
 
 // The set of friction forces that a contact of normal force N admits.

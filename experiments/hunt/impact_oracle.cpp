@@ -122,15 +122,23 @@ double push_mps(const Motion& motion, double depth_m) {
   return std::min(contact.error_reduction * depth_m / motion.step_s, contact.max_correction_mps);
 }
 
+// Points that are hit one after the other get Newton's law each in its turn: what is left of it in
+// the sum is that no hit adds energy, which is the law at 1, of any number of pairs.
+bool hits_one_by_one(const Scheme& scheme) {
+  return scheme.sequential && !scheme.sequential->hits_at_once;
+}
+
 }  // namespace
 
 std::optional<Breach> impact_breach(const Motion& motion) {
   const World& world = motion.scene.world;
   if (!motion.scheme) return std::nullopt;
-  const ContactLaw law = greatest_law(world);
+  ContactLaw law = greatest_law(world);
   // With restitution the theorem is proven for contacts that all bounce: one pair.
   const bool one_pair = world.bodies.size() == 2;
-  if (law.restitution > 0.0 && !one_pair) return std::nullopt;
+  const bool one_by_one = hits_one_by_one(*motion.scheme);
+  if (law.restitution > 0.0 && !one_pair && !one_by_one) return std::nullopt;
+  if (one_by_one) law.restitution = 1.0;
   const bool both = law.restitution > 0.0 && law.friction > 0.0;
   DeepestOverlap overlap(world);
   const double edge_j = edge_energy_j(world);

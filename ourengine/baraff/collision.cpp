@@ -19,6 +19,12 @@ double reach(const RigidBody& body, const Eigen::Vector3d& axis) {
   return (body.rotation.transpose() * axis).cwiseAbs().dot(half(body));
 }
 
+// Largest gap of a point of a pair that touches and whose least gap is given: points that differ by
+// rounding are all in or all out.
+double touching_limit_m(double least_gap_m, double tolerance_m) {
+  return std::max(least_gap_m, 0.0) + tolerance_m;
+}
+
 // Centre of the edge along axis i that reaches furthest towards `direction`.
 Eigen::Vector3d supporting_edge(const RigidBody& body, int i, const Eigen::Vector3d& direction) {
   Eigen::Vector3d centre = body.position_m;
@@ -53,16 +59,21 @@ void add_edge_contact(std::span<const RigidBody> bodies, std::size_t a, std::siz
                         .gap_m = axis.gap_m});
 }
 
-// All corners of the box that are within tolerance of the plane's surface or below it.
+// All corners of the box that touch where the lowest one is within tolerance of the plane's surface
+// or below it.
 void add_box_plane(std::span<const RigidBody> bodies, std::size_t box, std::size_t plane,
                    double tolerance_m, std::vector<Collision>& collisions) {
   const RigidBody& body = bodies[box];
   const Eigen::Vector3d normal = bodies[plane].rotation.col(2);
+  const double lowest_m =
+      normal.dot(body.position_m - bodies[plane].position_m) - reach(body, normal);
+  if (lowest_m > tolerance_m) return;
+  const double limit_m = touching_limit_m(lowest_m, tolerance_m);
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
     const Eigen::Vector3d at = body.position_m + body.rotation * sign.cwiseProduct(half(body));
     const double gap_m = normal.dot(at - bodies[plane].position_m);
-    if (gap_m > tolerance_m) continue;
+    if (gap_m > limit_m) continue;
     collisions.push_back(
         {.obj1 = box, .obj2 = plane, .location = at, .normal = normal, .gap_m = gap_m});
   }
@@ -115,10 +126,11 @@ void add_box_box(std::span<const RigidBody> bodies, std::size_t i, std::size_t j
   if (out_of_reach(bodies[i], bodies[j], tolerance_m)) return;
   const Axis axis = separating_axis(bodies[i], bodies[j]);
   if (axis.gap_m > tolerance_m) return;
+  const double limit_m = touching_limit_m(axis.gap_m, tolerance_m);
   if (axis.index < 3) {
-    add_face_contacts(bodies, i, axis.index, axis.direction, j, tolerance_m, collisions);
+    add_face_contacts(bodies, i, axis.index, axis.direction, j, limit_m, collisions);
   } else if (axis.index < 6) {
-    add_face_contacts(bodies, j, axis.index - 3, -axis.direction, i, tolerance_m, collisions);
+    add_face_contacts(bodies, j, axis.index - 3, -axis.direction, i, limit_m, collisions);
   } else {
     add_edge_contact(bodies, i, j, axis, collisions);
   }

@@ -5,6 +5,8 @@
 // struct Contact; S. Gottschalk, M. Lin, D. Manocha, OBBTree (1996), for the 15 axes.
 // Departures, where the paper is silent:
 //  * An axis counts as separating from a gap of `tolerance_m` on: touching bricks are in contact.
+//    Where the least gap is one, all points that are open by at most tolerance_m more count: of a
+//    face that is just in reach all corners or none.
 //  * Of the axes the one with the largest gap is the normal. An edge axis must win by 1e-3 of the
 //    thinnest brick, a face of the second body by as much over one of the first: otherwise rounding
 //    would turn half of all resting faces into a single edge contact.
@@ -55,7 +57,7 @@ bool intersects_when_projected(const RigidBody& a, const RigidBody& b, const Eig
 // Tests all axes (edge pairs with |a x b|^2 < 1e-6 are parallel and have none).
 Axis separating_axis(const RigidBody& a, const RigidBody& b);
 
-// Appends the contacts of bodies i and j with a gap of at most tolerance_m.
+// Appends the contacts of bodies i and j if their least gap is at most tolerance_m.
 void add_collision(std::span<const RigidBody> bodies, std::size_t i, std::size_t j,
                    double tolerance_m, std::vector<Collision>& collisions);
 

@@ -5,6 +5,8 @@
 
 #include "ourengine/baraff/constant_force.hpp"
 #include "ourengine/baraff/forward_euler.hpp"
+#include "ourengine/baraff/joint_collision.hpp"
+#include "ourengine/baraff/safe_step.hpp"
 
 namespace ourengine::baraff {
 namespace {
@@ -18,6 +20,8 @@ Options paper_options() {
   options.motion = Motion::forward_euler;
   options.velocity_share = 0.0;
   options.overlap_share = 0.0;
+  options.hits_at_once = false;
+  options.depth_share = 0.0;
   return options;
 }
 
@@ -50,23 +54,46 @@ const StepReport& Simulator::step() {
       contact.met_mps = relative_normal_velocity(bodies_, contact);
     }
     const double start_j = energy();
-    const int sweeps =
-        colliding_contact(bodies_, collisions_, restitution_, options_.collision_velocity_mps,
-                          options_.max_collision_sweeps);
+    const int sweeps = collide();
     report_.colliding_iterations += sweeps;
     report_.collisions_unfinished |= sweeps > options_.max_collision_sweeps;
     const double collided_j = energy();
-    resting_contact(left_s);
-    separate_overlaps(left_s);
+    const double piece_s = rest(left_s);
+    separate_overlaps(piece_s);
     const double separated_j = energy();
-    left_s -= move(left_s);
+    left_s -= move(piece_s);
+    ++report_.pieces;
     report_.collision_energy_j += collided_j - start_j;
     report_.overlap_energy_j += separated_j - collided_j;
     report_.motion_energy_j += energy() - separated_j;
   }
-  report_.unsolved = report_.collisions_unfinished || report_.overlaps_left > 0 || report_.failed;
+  report_.unsolved =
+      report_.collisions_unfinished || report_.overlaps_left > 0 || report_.hasty || report_.failed;
   std::ranges::fill(loads_, Load{});
   return report_;
+}
+
+int Simulator::collide() {
+  const auto hit = options_.hits_at_once ? &collide_in_groups : &colliding_contact;
+  return hit(bodies_, collisions_, restitution_, options_.collision_velocity_mps,
+             options_.max_collision_sweeps);
+}
+
+// The forces of resting contacts over what is left of the step, or over the part of it after which
+// contacts have to be looked for anew; returns its time.
+double Simulator::rest(double step_s) {
+  const std::vector<Collision> hit = collisions_;
+  resting_contact(step_s);
+  const double shortest_s = options_.step_s / k_most_pieces;
+  const double safe_s = safe_step_s(bodies_, step_s, options_.depth_share);
+  const double piece_s = std::min(step_s, std::max(safe_s, shortest_s));
+  report_.hasty |= safe_s < piece_s;
+  if (piece_s < step_s) {
+    collisions_ = hit;
+    accumulate_forces();
+    resting_contact(piece_s);
+  }
+  return piece_s;
 }
 
 void Simulator::accumulate_forces() {

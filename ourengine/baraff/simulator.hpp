@@ -26,6 +26,9 @@ struct Options {
   double contact_tolerance_m = 1e-6;     // a larger gap is no contact
   double collision_velocity_mps = 1e-3;  // slower approach is resting contact
   int max_collision_sweeps = 20000;
+  // Hits of all points of a pair, and of all contacts without restitution, at once, see
+  // joint_collision.hpp. False: one after the other (the paper).
+  bool hits_at_once = true;
   // Share of a resting contact's normal velocity v that its force must undo in one step: b gains
   // share v / h. 0: accelerations alone (the paper); 1: no resting contact is left approaching.
   double velocity_share = 1.0;
@@ -40,10 +43,16 @@ struct Options {
   // other in every step.
   double slow_hit_steps = 2.0;
   double overlap_slop_m = 1e-7;
+  // A step is cut where a pair could get deeper than this share of its thinner body, see
+  // safe_step.hpp; into k_most_pieces at most. 0: never (the paper).
+  double depth_share = 0.25;
   // Baraff, Rigid Body Simulation II, section 7: a step that would overlap is cut at the time of
   // contact, found by bisection to contact_tolerance_m; at most this many cuts per step. 0: none.
   int max_bisections = 0;
 };
+
+// Pieces of a step are not shorter than this share of it.
+inline constexpr int k_most_pieces = 1000;
 
 Options paper_options();
 
@@ -65,9 +74,11 @@ struct StepReport {
   int zero_steps = 0;
   int retried = 0;  // solves that needed the regularised matrix, see qp_solve.hpp
   int bisections = 0;
+  int pieces = 0;         // that the step was cut into
+  bool hasty = false;     // some piece should have been shorter than k_most_pieces allows
   int overlaps_left = 0;  // overlap solves that failed: nothing was moved apart
   bool failed = false;    // a resting solve failed; its forces were not applied
-  bool unsolved = false;  // any of collisions_unfinished, overlaps_left and failed
+  bool unsolved = false;  // any of collisions_unfinished, overlaps_left, hasty and failed
   // Change of kinetic plus potential energy (J, gravity alone) in the three parts of the step.
   double collision_energy_j = 0.0;  // impulses; not above 0 for restitutions up to 1
   double overlap_energy_j = 0.0;    // moving overlaps apart, momenta held
@@ -92,7 +103,9 @@ class Simulator {
   void set_bodies(std::span<const RigidBody> bodies);
 
  private:
+  int collide();
   void accumulate_forces();
+  double rest(double step_s);
   void separate_overlaps(double step_s);
   void count(const QpResult& solved);
   void resting_contact(double step_s);

@@ -74,8 +74,9 @@ Tree good_house() {
 }
 
 TEST(Rules, AGoodHousePassesAll) {
-  for (const Check check : {check_includes, check_floors, check_engine_names, check_mixed_paths, check_lengths,
-                            check_type_names, check_shapes, check_documents, long_adapters}) {
+  for (const Check check :
+       {check_includes, check_floors, check_engine_names, check_mixed_paths, check_lengths,
+        check_type_names, check_shapes, check_documents, long_adapters}) {
     EXPECT_TRUE(check(good_house()).empty()) << text(check(good_house()));
   }
 }
@@ -103,8 +104,7 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
       {check_floors, "ourengine/contact/solve.cpp", "#include \"ourengine/fast/step.hpp\"\n"},
       {check_floors, "ourengine/fast/step.cpp", "#include \"ourengine/baraff/step.hpp\"\n"},
       {check_floors, "ourengine/bodies/body.cpp", ""},
-      {check_floors, "experiments/metrics/energy.cpp",
-       "#include \"experiments/run/cell.hpp\"\n"},
+      {check_floors, "experiments/metrics/energy.cpp", "#include \"experiments/run/cell.hpp\"\n"},
       {check_floors, "experiments/oracle/laws.cpp",
        "#include \"experiments/regression/check.hpp\"\n"},
       {check_engine_names, "cli/verb_run.cpp", "if (name == \"ode\") {}\n"},

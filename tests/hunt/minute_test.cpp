@@ -11,7 +11,8 @@ namespace brickbench::hunt {
 namespace {
 
 // Engines in which nothing may be found, as engine/variant.
-const std::vector<std::string> k_clean = {"ourengine/exact", "ourengine/fast", "ourengine/lcp"};
+const std::vector<std::string> k_clean = {"ourengine/exact", "ourengine/fast", "ourengine/lcp",
+                                          "ourengine/baraff"};
 
 constexpr std::uint64_t k_seed = 14;
 constexpr std::uint64_t k_trials_of_each = 25;

@@ -5,11 +5,13 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "experiments/exact/cases/builders.hpp"
 #include "experiments/exact/schemes/box_points.hpp"
 #include "experiments/exact/schemes/scheme_map.hpp"
+#include "experiments/exact/schemes/sequential_hits.hpp"
 
 namespace brickbench::exact {
 namespace {
@@ -69,121 +71,8 @@ void add_on_face(const ExactRun& run, double border_share, const PointContact& c
   }
 }
 
-// What a pair of bodies does at a point, with the levers to it.
-class Pair {
- public:
-  Pair(const ExactRun& run, const TouchingPoint& point, std::span<const State> states)
-      : run_(run), point_(point), states_(states) {}
-
-  Vector3d lever_m(std::size_t i) const {
-    return point_.corner ? Vector3d(point_.position_m - states_[i].position_m)
-                         : Vector3d(Vector3d::Zero());
-  }
-  // (m/s) along the normal, positive when separating.
-  double velocity_mps() const { return point_.normal.dot(slip_mps()); }
-  Vector3d slip_mps() const { return velocity_of(point_.body_b) - velocity_of(point_.body_a); }
-  bool moves(std::size_t i) const { return !run_.world.bodies[i].fixed; }
-  double sign(std::size_t i) const {
-    return i == point_.body_b ? 1.0 : i == point_.body_a ? -1.0 : 0.0;
-  }
-  // Change of the spin per unit of impulse along the normal on b.
-  Vector3d turn(std::size_t i) const {
-    return inverse_inertia(i, sign(i) * lever_m(i).cross(point_.normal));
-  }
-  Vector3d inverse_inertia(std::size_t i, const Vector3d& moment) const {
-    const Eigen::Quaterniond& q = states_[i].orientation;
-    return q * (q.conjugate() * moment).cwiseQuotient(run_.world.bodies[i].inertia_kgm2);
-  }
-  const TouchingPoint& point() const { return point_; }
-
- private:
-  Vector3d velocity_of(std::size_t i) const {
-    if (!moves(i)) return Vector3d::Zero();
-    return states_[i].velocity_mps + states_[i].angular_velocity_radps.cross(lever_m(i));
-  }
-
-  const ExactRun& run_;
-  const TouchingPoint& point_;
-  std::span<const State> states_;
-};
-
-// What an impulse of 1 N s at `pushed` changes in the normal velocity of `felt` (1/kg).
-double response(const ExactRun& run, const Pair& felt, const Pair& pushed) {
-  double sum = 0.0;
-  for (const std::size_t i : {felt.point().body_a, felt.point().body_b}) {
-    if (!felt.moves(i) || pushed.sign(i) == 0.0) continue;
-    const Vector3d change = pushed.sign(i) / run.world.bodies[i].mass_kg * pushed.point().normal +
-                            pushed.turn(i).cross(felt.lever_m(i));
-    sum += felt.sign(i) * felt.point().normal.dot(change);
-  }
-  return sum;
-}
-
-void push(const ExactRun& run, const TouchingPoint& point, double impulse_ns,
-          std::span<State> states) {
-  const Pair pair(run, point, states);
-  for (const std::size_t i : {point.body_a, point.body_b}) {
-    if (!pair.moves(i)) continue;
-    const Vector3d turn = impulse_ns * pair.turn(i);
-    states[i].velocity_mps +=
-        pair.sign(i) * impulse_ns / run.world.bodies[i].mass_kg * point.normal;
-    states[i].angular_velocity_radps += turn;
-  }
-}
-
-// x >= 0 with A x + b >= 0 and x . (A x + b) = 0, A symmetric and at least semidefinite: projected
-// Gauss-Seidel to rounding. What A x is does not depend on which x is found.
-std::optional<VectorXd> complementarity(const MatrixXd& a, const VectorXd& b) {
-  constexpr int k_most_passes = 200000;
-  VectorXd x = VectorXd::Zero(b.size());
-  const double rounding = 1e-15 * b.cwiseAbs().maxCoeff();
-  for (int pass = 0; pass < k_most_passes; ++pass) {
-    double change = 0.0;
-    for (Index i = 0; i < b.size(); ++i) {
-      const double next = std::max(0.0, x[i] - (a.row(i).dot(x) + b[i]) / a(i, i));
-      change = std::max(change, std::abs(next - x[i]) * a(i, i));
-      x[i] = next;
-    }
-    if (change <= rounding) return x;
-  }
-  return std::nullopt;
-}
-
-MatrixXd responses(const ExactRun& run, const std::vector<TouchingPoint>& points,
-                   std::span<const State> states) {
-  const auto n = static_cast<Index>(points.size());
-  MatrixXd a(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      a(i, j) = response(run, Pair(run, points[static_cast<std::size_t>(i)], states),
-                         Pair(run, points[static_cast<std::size_t>(j)], states));
-    }
-  }
-  return a;
-}
-
-// Hits contact after contact until none approaches faster than the threshold.
-bool hit_one_by_one(const SequentialContact& law, const ExactRun& run,
-                    const std::vector<TouchingPoint>& points, std::span<State> states,
-                    std::string& why) {
-  for (int sweep = 0; sweep < law.most_sweeps; ++sweep) {
-    bool hit = false;
-    for (const TouchingPoint& point : points) {
-      const Pair pair(run, point, states);
-      const double velocity = pair.velocity_mps();
-      if (velocity >= -law.collision_velocity_mps) continue;
-      const double e = contact_law(run.world, point.body_a, point.body_b).restitution;
-      push(run, point, -(1.0 + e) * velocity / response(run, pair, pair), states);
-      hit = true;
-    }
-    if (!hit) return true;
-  }
-  why = "hits one after the other do not end";
-  return false;
-}
-
 // Second derivative of the gap without contact forces.
-double free_acceleration_mps2(const ExactRun& run, const Pair& pair,
+double free_acceleration_mps2(const ExactRun& run, const TouchingPair& pair,
                               std::span<const Wrench> wrenches, std::span<const State> states) {
   const TouchingPoint& point = pair.point();
   Vector3d sum = Vector3d::Zero();
@@ -212,7 +101,7 @@ bool rest(const SequentialContact& law, const ExactRun& run,
           std::vector<Wrench>& wrenches, std::string& why) {
   std::vector<TouchingPoint> resting;
   for (const TouchingPoint& point : points) {
-    if (Pair(run, point, states).velocity_mps() <= law.collision_velocity_mps) {
+    if (TouchingPair(run, point, states).velocity_mps() <= law.collision_velocity_mps) {
       resting.push_back(point);
     }
   }
@@ -223,7 +112,7 @@ bool rest(const SequentialContact& law, const ExactRun& run,
       why = "faces rest tilted against each other: their crossing edges are not listed";
       return false;
     }
-    const Pair pair(run, resting[i], states);
+    const TouchingPair pair(run, resting[i], states);
     closing[static_cast<Index>(i)] = free_acceleration_mps2(run, pair, wrenches, states) +
                                      law.velocity_share / run.step_s * pair.velocity_mps();
   }
@@ -233,7 +122,7 @@ bool rest(const SequentialContact& law, const ExactRun& run,
     return false;
   }
   for (std::size_t i = 0; i < resting.size(); ++i) {
-    const Pair pair(run, resting[i], states);
+    const TouchingPair pair(run, resting[i], states);
     for (const std::size_t body : {resting[i].body_a, resting[i].body_b}) {
       const Vector3d force_n =
           pair.sign(body) * (*forces)[static_cast<Index>(i)] * resting[i].normal;
@@ -249,7 +138,7 @@ VectorXd velocities(const ExactRun& run, const std::vector<TouchingPoint>& point
                     std::span<const State> states) {
   VectorXd all(static_cast<Index>(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    all[static_cast<Index>(i)] = Pair(run, points[i], states).velocity_mps();
+    all[static_cast<Index>(i)] = TouchingPair(run, points[i], states).velocity_mps();
   }
   return all;
 }
@@ -315,6 +204,72 @@ bool undo_overlaps(const SequentialContact& law, const ExactRun& run,
   return true;
 }
 
+double thickness_m(const Shape& shape) {
+  return by_shape(
+      shape, [](const BoxShape& box) { return 2.0 * box.half_extents_m.minCoeff(); },
+      [](const SphereShape& ball) { return 2.0 * ball.radius_m; },
+      [](const PlaneShape&) { return std::numeric_limits<double>::infinity(); });
+}
+
+// How fast the way of a point of the body along the normal may bend as it turns, m/s2.
+double bend_mps2(const ExactRun& run, const TouchingPair& pair, std::size_t i, const Wrench& wrench,
+                 const State& state) {
+  const Body& body = run.world.bodies[i];
+  if (body.fixed || !pair.point().corner) return 0.0;
+  const Vector3d& w = state.angular_velocity_radps;
+  const Vector3d spin_up =
+      pair.inverse_inertia(i, wrench.torque_nm + spin_momentum_nms(body, state).cross(w));
+  const double reach_m = by_shape(
+      body.shape, [](const BoxShape& box) { return box.half_extents_m.norm(); },
+      [](const SphereShape&) { return 0.0; }, [](const PlaneShape&) { return 0.0; });
+  return reach_m * (pair.point().normal.cross(w).norm() * w.norm() + spin_up.norm());
+}
+
+// Whether some point could get so deep within the step that the scheme cuts it.
+bool is_cut(const SequentialContact& law, const ExactRun& run, std::span<const State> states,
+            std::span<const Wrench> forces) {
+  if (law.depth_share == 0.0) return false;
+  const double h = run.step_s;
+  const double everywhere = std::numeric_limits<double>::infinity();
+  for (const TouchingPoint& point : touching_points(run, states, everywhere, law.border_share)) {
+    const TouchingPair pair(run, point, states);
+    double closing_mps2 = 0.0;
+    for (const std::size_t i : {point.body_a, point.body_b}) {
+      if (!pair.moves(i)) continue;
+      closing_mps2 -=
+          pair.sign(i) * point.normal.dot(run.world.gravity_mps2 +
+                                          forces[i].force_n / run.world.bodies[i].mass_kg);
+    }
+    closing_mps2 = std::max(closing_mps2, 0.0);
+    double thinner_m = everywhere;
+    for (const std::size_t i : {point.body_a, point.body_b}) {
+      closing_mps2 += bend_mps2(run, pair, i, forces[i], states[i]);
+      thinner_m = std::min(thinner_m, thickness_m(run.world.bodies[i].shape));
+    }
+    const double after_m = point.gap_m + h * pair.velocity_mps() - 0.5 * h * h * closing_mps2;
+    if (after_m < std::min(point.gap_m, 0.0) - law.depth_share * thinner_m) return true;
+  }
+  return false;
+}
+
+// The points of pairs whose least gap is within the margin, those open by a margin more included.
+std::vector<TouchingPoint> contact_points(const SequentialContact& law, const ExactRun& run,
+                                          std::span<const State> states) {
+  std::vector<TouchingPoint> all =
+      touching_points(run, states, 2.0 * law.margin_m, law.border_share);
+  std::vector<TouchingPoint> kept;
+  for (const TouchingPoint& point : all) {
+    double least_m = point.gap_m;
+    for (const TouchingPoint& other : all) {
+      if (other.body_a != point.body_a || other.body_b != point.body_b) continue;
+      least_m = std::min(least_m, other.gap_m);
+    }
+    if (least_m > law.margin_m) continue;
+    if (point.gap_m <= std::max(least_m, 0.0) + law.margin_m) kept.push_back(point);
+  }
+  return kept;
+}
+
 }  // namespace
 
 std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const State> states,
@@ -352,12 +307,15 @@ std::vector<TouchingPoint> touching_points(const ExactRun& run, std::span<const 
 bool advance_sequential(const Scheme& scheme, const ExactRun& run, std::span<const Wrench> wrenches,
                         std::span<State> states, std::string& why) {
   const SequentialContact& law = *scheme.sequential();
-  const std::vector<TouchingPoint> points =
-      touching_points(run, states, law.margin_m, law.border_share);
+  const std::vector<TouchingPoint> points = contact_points(law, run, states);
   const VectorXd met_mps = velocities(run, points, states);
-  if (!hit_one_by_one(law, run, points, states, why)) return false;
+  if (!hit_all(law, run, points, states, why)) return false;
   std::vector<Wrench> forces(wrenches.begin(), wrenches.end());
   if (!points.empty() && !rest(law, run, points, states, forces, why)) return false;
+  if (is_cut(law, run, states, forces)) {
+    why = "the step is cut: a pair could get too deep in it";
+    return false;
+  }
   if (law.overlap_share > 0.0 && !points.empty()) {
     const VectorXd gaps = gaps_after(scheme, run, points, met_mps, states, forces);
     if (!undo_overlaps(law, run, points, gaps, states, why)) return false;

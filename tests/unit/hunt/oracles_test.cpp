@@ -182,6 +182,54 @@ TEST(Oracles, SeeSpinThatComesFromNowhere) {
   EXPECT_TRUE(breaks(motion, "spin"));
 }
 
+// A brick at rest that goes most of the way of its neighbour's double speed in one step and rests
+// again: thrown and stopped by the neighbours within the step, if the engine looks so often.
+Motion thrown_and_stopped(double depth_share, double apart_m) {
+  constexpr double k_step_s = 0.005;
+  Scene scene = one_body(BoxShape{{0.1, 0.1, 0.1}}, {}, false, {});
+  State other;
+  other.position_m.x() = apart_m;
+  other.velocity_mps.x() = 10.0;
+  scene.world.gravity_mps2.setZero();
+  scene.world.bodies.push_back(solid_body("other", BoxShape{{0.1, 0.1, 0.1}}, 1000.0, other));
+  Motion motion = motion_of(scene, k_step_s, 3, [](std::vector<State>& states, std::size_t step) {
+    states[1].position_m.x() += 10.0 * k_step_s;
+    if (step == 2) states[0].position_m.x() -= 1.8 * 10.0 * k_step_s;
+  });
+  motion.scheme->impulse.reset();
+  motion.scheme->sequential = SequentialContact{.depth_share = depth_share};
+  return motion;
+}
+
+TEST(Oracles, LetACutStepThrowABodyToAndFro) {
+  EXPECT_FALSE(breaks(thrown_and_stopped(0.25, 0.25), "kinematics"));
+  EXPECT_TRUE(breaks(thrown_and_stopped(0.0, 0.25), "kinematics"));
+  EXPECT_TRUE(breaks(thrown_and_stopped(0.25, 5.0), "kinematics"));
+}
+
+// Points that are hit one after the other may part after a plastic hit; none adds energy.
+TEST(Oracles, HoldHitsInTurnToTheirEnergyAlone) {
+  Dice dice({4}, "turn");
+  int joint = 0;
+  int made = 0;
+  for (int k = 0; k < k_family; ++k) {
+    Bouncing ball = draw_bouncing(dice);
+    ball.restitution = 0.0;
+    const auto breaks_impact = [&](double bounce, bool at_once) {
+      ball.bounce = bounce;
+      Motion motion = ball.motion();
+      motion.scheme->impulse.reset();
+      motion.scheme->sequential = SequentialContact{.hits_at_once = at_once};
+      return breaks(motion, "impact");
+    };
+    EXPECT_FALSE(breaks_impact(0.9, false));
+    if (breaks_impact(0.9, true)) ++joint;
+    if (breaks_impact(1.5, false)) ++made;
+  }
+  EXPECT_GT(joint, k_family / 2);
+  EXPECT_GT(made, k_family / 2);
+}
+
 TEST(Oracles, SeeABodyHeldInTheAir) {
   State start;
   start.position_m.z() = 5.0;
