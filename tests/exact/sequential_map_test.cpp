@@ -143,6 +143,46 @@ TEST(SequentialMap, HitsLeaveNoApproachAndCreateNoEnergy) {
   EXPECT_TRUE(gained.within(k_hit_balance));
 }
 
+// The speed at which a box leaves a slab that it meets flat, in shares of the approach.
+double flat_parting(bool at_once, double restitution) {
+  ExactRun run = box_on(floor_slab(), {0.3, 0.2, 0.1}, 0.0);
+  run.world.gravity_mps2.setZero();
+  run.world.law.restitution = restitution;
+  Scheme scheme = sequential_scheme(0.0);
+  std::get<SequentialContact>(scheme.contact).hits_at_once = at_once;
+  std::vector<State> states = start_of(run);
+  states[1].velocity_mps.z() = -2.0;
+  std::string why;
+  EXPECT_TRUE(advance_sequential(scheme, run, std::vector<Wrench>(2), states, why)) << why;
+  return states[1].velocity_mps.z() / 2.0;
+}
+
+TEST(SequentialMap, FacesThatAreHitAtOncePartWithTheRestitution) {
+  Worst worst;
+  for (int tenth = 0; tenth <= 10; ++tenth) {
+    worst.see(flat_parting(true, 0.1 * tenth) - 0.1 * tenth, std::to_string(tenth));
+  }
+  EXPECT_TRUE(worst.within(k_rest));
+  // Hit in turn, the corners throw each other off.
+  EXPECT_GT(std::abs(flat_parting(false, 0.5) - 0.5), 0.01);
+}
+
+// Half the share is left to the map, twice the share is cut: it predicts nothing then.
+TEST(SequentialMap, SaysWhereTheStepIsCut) {
+  for (const double gap_m : {0.0005, 0.01}) {
+    for (const double share : {0.5, 2.0}) {
+      ExactRun run = box_on(floor_slab(), {0.3, 0.2, 0.1}, gap_m);
+      Scheme scheme = sequential_scheme(1.0);
+      std::get<SequentialContact>(scheme.contact).depth_share = 0.25;
+      std::vector<State> states = start_of(run);
+      states[1].velocity_mps.z() = -(gap_m + share * 0.25 * 0.2) / run.step_s;
+      std::string why;
+      EXPECT_EQ(advance_sequential(scheme, run, std::vector<Wrench>(2), states, why), share < 1.0);
+      EXPECT_EQ(why.find("cut") != std::string::npos, share > 1.0) << why;
+    }
+  }
+}
+
 TEST(SequentialMap, RestingFaceCarriesALoadInsideItAndTipsBeyond) {
   const Vector3d half(0.3, 0.2, 0.1);
   const ExactRun run = box_on(floor_slab(), half, 0.0);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "adapters/seam/shape.hpp"
 #include "experiments/exact/cases/builders.hpp"
 #include "experiments/exact/schemes/box_points.hpp"
 #include "experiments/exact/schemes/scheme_map.hpp"
@@ -202,13 +203,6 @@ bool undo_overlaps(const SequentialContact& law, const ExactRun& run,
         s.orientation * (s.orientation.conjugate() * momentum).cwiseQuotient(body.inertia_kgm2);
   }
   return true;
-}
-
-double thickness_m(const Shape& shape) {
-  return by_shape(
-      shape, [](const BoxShape& box) { return 2.0 * box.half_extents_m.minCoeff(); },
-      [](const SphereShape& ball) { return 2.0 * ball.radius_m; },
-      [](const PlaneShape&) { return std::numeric_limits<double>::infinity(); });
 }
 
 // How fast the way of a point of the body along the normal may bend as it turns, m/s2.

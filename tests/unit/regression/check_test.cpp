@@ -1,4 +1,6 @@
 // References, comparisons and blessings: what is red, why, and what a blessing may touch.
+#include "experiments/regression/check.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,7 +10,6 @@
 #include <fstream>
 #include <random>
 
-#include "experiments/regression/check.hpp"
 #include "experiments/regression/observe.hpp"
 
 namespace brickbench::gate {
