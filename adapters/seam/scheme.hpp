@@ -125,7 +125,8 @@ struct SoftContact {
   double same_normal = -1.0;      // cosine between the normals of a manifold that goes on
   BoxPlaces boxes;
   // A step is done again with twice the sweeps per sub-step where known contacts end deeper than
-  // they were by more than this share of the margin; so often at most, with so many at most.
+  // they were by more than this share of the margin, or of same_point_share of the thinner body if
+  // that is less; so often at most, with so many at most.
   double too_deep_share = 0.0;
   int most_trials = 1;
   int most_sweeps = 1;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ourengine/fast/fast_dynamics.hpp"
+#include "ourengine/fast/soft_vector.hpp"
 
 namespace ourengine {
 namespace {
@@ -20,10 +21,6 @@ void put(Lane3& lanes, std::size_t i, const Eigen::Vector3d& v) {
   for (std::size_t k = 0; k < 3; ++k) {
     lanes[k][i] = static_cast<float>(v[static_cast<Eigen::Index>(k)]);
   }
-}
-
-Eigen::Vector3d lane(const Lane3& lanes, std::size_t i) {
-  return {lanes[0][i], lanes[1][i], lanes[2][i]};
 }
 
 SoftBatch empty_batch(std::size_t bodies) {
@@ -266,8 +263,8 @@ std::vector<SoftContact> FastDynamics::contacts_of_part() const {
     for (const Eigen::Vector3d& arm : arms) centre += arm / manifold.count;
     double squares = 0.0;
     for (const Eigen::Vector3d& arm : arms) squares += (arm - centre).squaredNorm();
-    const Eigen::Vector3d friction = batch.friction_total[0][i] * lane(batch.tangent[0], i) +
-                                     batch.friction_total[1][i] * lane(batch.tangent[1], i);
+    const Eigen::Vector3d friction = batch.friction_total[0][i] * lane_of(batch.tangent[0], i) +
+                                     batch.friction_total[1][i] * lane_of(batch.tangent[1], i);
     const double turn = squares > 0.0 ? batch.twist_total[i] / squares : 0.0;
     for (std::size_t p = 0; p < arms.size(); ++p) {
       contacts.push_back({manifold.body_a, manifold.body_b, manifold.centre_a_m + arms[p],

@@ -139,7 +139,16 @@ bool FastDynamics::close() {
   unsolved_ = false;
   energy_taken_j_ = 0.0;
   deepest_m_ = 0.0;
-  for (const Slot& slot : slots_) deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
+  for (const Slot& slot : slots_) {
+    const SoftManifold& m = solved_manifold(static_cast<std::size_t>(slot.manifold));
+    const auto thin_m = [&](int i) {
+      return thickness_m(bodies_[static_cast<std::size_t>(i)].geometry);
+    };
+    deepest_m_ = std::max(deepest_m_, double{slot.deepest_m});
+    if (slot.deepest_m > FastLimits::k_told_share * std::min(thin_m(m.body_a), thin_m(m.body_b))) {
+      overlap_left_m_ = std::max(overlap_left_m_, double{slot.deepest_m});
+    }
+  }
   sum_impulses();
   if (is_quiet()) return true;
   join_islands();

@@ -40,7 +40,8 @@ struct FastReport {
   int remade = 0;  // manifolds that separating axes had to make anew
   int passes = 0;  // trials of the step: more than 1 where impacts met with contacts unknown before
   int parts = 0;   // that the step was cut into; the four numbers above are of the last one
-  // Deepest new overlap (m) at the step's end that the last trial still left; 0 if below tolerance.
+  // Deepest overlap (m) at the step's end that is new and that the last trial still left, or old
+  // and deeper than k_told_share; 0 if below tolerance.
   double overlap_left_m = 0.0;
   // Deepest overlap (m) of a contact point when the step ended, new or old, as the sweeps count it.
   double deepest_m = 0.0;
@@ -57,8 +58,11 @@ struct FastReport {
 
 // Constants of the scheme that are not options.
 struct FastLimits {
-  // Of the margin: overlaps at the end of a step that its contacts did not see count from here on.
+  // Of the margin, or of ManifoldSet::k_same_point of the thinner body if that is less: overlaps at
+  // the end of a step that its contacts did not see count from here on.
   static constexpr double k_look_tolerance = 0.5;
+  // Of the thinner body: an overlap that is deeper counts as left over, old or new.
+  static constexpr double k_told_share = 0.05;
   // A step is tried again with what its end shows to be missing, so often, and with so many sweeps
   // per sub-step at most.
   static constexpr int k_trials = 8;
@@ -200,6 +204,7 @@ class FastDynamics {
   std::vector<SoftContact> contacts_of_part() const;
   static double opened_m(const SoftManifold& manifold, std::size_t point,
                          std::span<const SoftVector> moved);
+  double look_tolerance_m(int body_a, int body_b) const;
   void look_around_far();
   void look_at(const BodyPair& pair, double seen_m);
   SoftManifold late_manifold(const BodyPair& pair, const Manifold& end) const;

@@ -52,6 +52,15 @@ double FastDynamics::opened_m(const SoftManifold& manifold, std::size_t point,
                              angular_part(a).cross(arm_a));
 }
 
+// New overlap that is not worth another trial: half a margin, of thin bodies half the distance
+// within which points are the same.
+double FastDynamics::look_tolerance_m(int a, int b) const {
+  const double thinner_m =
+      std::min(thickness_m(bodies_[at(a)].geometry), thickness_m(bodies_[at(b)].geometry));
+  return FastLimits::k_look_tolerance *
+         std::min(options_.margin_m, ManifoldSet::k_same_point * thinner_m);
+}
+
 // Finds the pairs that the trial leaves overlapping though its contacts say otherwise: bricks that
 // turn or slide over each other within the step meet with other corners than those they showed at
 // its start, and struck bodies meet those that were out of their reach. late_ gets contacts made
@@ -74,11 +83,13 @@ FastDynamics::Look FastDynamics::look_ahead() {
       seen_m = std::min(seen_m, end_m);
       deeper_m = std::max(deeper_m, std::min(0.0, known.gap_m[p]) - end_m);
     }
-    unsettled_m = std::max(unsettled_m, deeper_m);
+    if (deeper_m > look_tolerance_m(known.body_a, known.body_b)) {
+      unsettled_m = std::max(unsettled_m, deeper_m);
+    }
     look_at({known.body_a, known.body_b}, seen_m);
   }
   if (!far_.empty()) look_around_far();
-  const bool unsettled = unsettled_m > FastLimits::k_look_tolerance * options_.margin_m;
+  const bool unsettled = unsettled_m > 0.0;
   if (unsettled) overlap_left_m_ = std::max(overlap_left_m_, unsettled_m);
   const bool found = late_.size() > before;
   if (!unsettled && !found) return Look::settled;
@@ -114,7 +125,7 @@ void FastDynamics::look_around_far() {
 void FastDynamics::look_at(const BodyPair& pair, double seen_m) {
   const auto a = at(pair.first);
   const auto b = at(pair.second);
-  const double tolerance_m = FastLimits::k_look_tolerance * options_.margin_m;
+  const double tolerance_m = look_tolerance_m(pair.first, pair.second);
   if (collide(bodies_[a], ends_[a], bodies_[b], ends_[b], -tolerance_m).count == 0) return;
   const Manifold end = collide(bodies_[a], ends_[a], bodies_[b], ends_[b], 0.0);
   double deepest_m = 0.0;

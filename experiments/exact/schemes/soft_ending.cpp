@@ -104,7 +104,7 @@ void SoftMap::move_on(const Islands& islands, const std::vector<Motion>& motions
       const auto opened_m = [&](const std::vector<Twist>& moved) {
         return apart(row, row.normal, moved) + turning(row, point.arm, moved);
       };
-      const double least_m = std::min(0.0F, point.gap_m) - soft_.too_deep_share * soft_.margin_m;
+      const double least_m = std::min(0.0F, point.gap_m) - too_deep_m(row.a.body, row.b.body);
       if (point.gap_m + opened_m(moved_) >= least_m) continue;
       if (opened_m(moved_) >= opened_m(trial)) continue;
       meets[islands.of[row.a.body]] = meets[islands.of[row.b.body]] = true;

@@ -292,6 +292,11 @@ void SoftMap::drop_blows(std::vector<Twist>& flown) {
   }
 }
 
+double SoftMap::too_deep_m(std::size_t body_a, std::size_t body_b) const {
+  return soft_.too_deep_share *
+         std::min(soft_.margin_m, soft_.same_point_share * thinner_m(body_a, body_b));
+}
+
 // Whether some known point ends deeper than it was, and than zero, by too much.
 bool SoftMap::leaves_too_deep() const {
   for (const Row& row : rows_) {
@@ -300,7 +305,7 @@ bool SoftMap::leaves_too_deep() const {
       const float end_m =
           point.gap_m + apart(row, row.normal, moved_) + turning(row, point.arm, moved_);
       const double deeper_m = std::min(0.0F, point.gap_m) - end_m;
-      if (deeper_m > soft_.too_deep_share * soft_.margin_m) return true;
+      if (deeper_m > too_deep_m(row.a.body, row.b.body)) return true;
     }
   }
   return false;
@@ -308,12 +313,12 @@ bool SoftMap::leaves_too_deep() const {
 
 // Whether two boxes end deeper in each other, by as much, than their contacts say.
 bool SoftMap::overlooks(std::span<const State> ends) const {
-  const double tolerance_m = soft_.too_deep_share * soft_.margin_m;
   const auto box = [&](std::size_t i) { return box_of(run_.world.bodies[i].shape); };
   for (const Memory& memory : memories_) {
     const std::size_t a = memory.body_a, b = memory.body_b;
     if (box(a) == nullptr || box(b) == nullptr) continue;
     const auto row = std::ranges::find_if(rows_, [&](const Row& r) { return r.memory == &memory; });
+    const double tolerance_m = too_deep_m(a, b);
     double seen_m = 0.0;
     if (row != rows_.end()) {
       if (row->reach_m <= soft_.margin_m) continue;

@@ -161,6 +161,7 @@ class SoftMap {
   bool has_blow() const;
   void drop_blows(std::vector<Twist>& flown);
   void run_substeps(std::span<const Wrench> wrenches, std::span<const State> states);
+  double too_deep_m(std::size_t body_a, std::size_t body_b) const;
   bool leaves_too_deep() const;
   bool overlooks(std::span<const State> ends) const;
 
