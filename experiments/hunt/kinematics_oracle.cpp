@@ -24,10 +24,12 @@ double stray_m(const State& before, const State& after, double step_s) {
   return (moved - first - share * change).norm();
 }
 
-// Whether the engine states that it looks for contacts more than once in a step: a body may be hit
-// by one neighbour and thrown back by the next in it, at a velocity that neither end shows.
+// Whether the engine states that bodies meet within a step, and not at its ends alone: a body may
+// be hit by one neighbour and thrown back by the next in it, at a velocity that neither end shows.
 bool hits_within_steps(const Motion& motion) {
-  return motion.scheme && motion.scheme->sequential && motion.scheme->sequential->depth_share > 0.0;
+  if (!motion.scheme) return false;
+  if (motion.scheme->impulse) return motion.scheme->impulse->bounces_before_touch;
+  return motion.scheme->sequential && motion.scheme->sequential->depth_share > 0.0;
 }
 
 // Twice the fastest of the others that can reach the body in the step, m/s: what is hit by

@@ -223,6 +223,12 @@ TEST(Oracles, LetACutStepThrowABodyToAndFro) {
   EXPECT_FALSE(breaks(thrown_and_stopped(0.25, 0.25), "kinematics"));
   EXPECT_TRUE(breaks(thrown_and_stopped(0.0, 0.25), "kinematics"));
   EXPECT_TRUE(breaks(thrown_and_stopped(0.25, 5.0), "kinematics"));
+  for (const bool within : {true, false}) {
+    Motion motion = thrown_and_stopped(0.0, 0.25);
+    motion.scheme->sequential.reset();
+    motion.scheme->impulse = ImpulseContact{.bounces_before_touch = within};
+    EXPECT_EQ(breaks(motion, "kinematics"), !within);
+  }
 }
 
 // Points that are hit one after the other may part after a plastic hit; none adds energy.
