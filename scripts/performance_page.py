@@ -143,14 +143,15 @@ class Records:
         return found and found["counters"][counter]
 
     def entry(self, record_name, experiment, engine):
-        """None as well where the cell did not run to its end."""
+        """None as well where the cell did not run to its end, or is flagged: its numbers do not count."""
         if record_name not in self.data:
             return None
         found = [e for e in self.data[record_name]["entries"]
                  if (e["experiment"], e["engine"], e["knobs"]) == (experiment, *engine)]
         if not found:
             die(f"{record_name}.json has no {engine} in {experiment}")
-        return found[0] if found[0]["outcome"] == "ok" else None
+        counts = found[0]["outcome"] == "ok" and not found[0].get("validity")
+        return found[0] if counts else None
 
     def accuracy(self, record_name, experiment, engine, metric):
         found = self.entry(record_name, experiment, engine)
@@ -370,7 +371,8 @@ def table_of_bench(data):
         lines.append("| " + " | ".join([
             e["experiment"], engine, digits(e["step_cpu_s"] and 1e3 * e["step_cpu_s"]["median"]),
             f"{digits(ratio['median'])} ({digits(ratio['least'])}..{digits(ratio['most'])})" if ratio else "-",
-            *accuracy, str(e["rounds"]), e["outcome"] + ("" if e["repeatable"] else ", not repeatable")]) + " |")
+            *accuracy, str(e["rounds"]), e["outcome"] + (f"; ! {e['validity']}" if e.get("validity") else "")
+            + ("" if e["repeatable"] else ", not repeatable")]) + " |")
     lines += ["", "Medians over the rounds, CPU time of the stepping thread; (least..most) of the ratios. "
               + origin(data["provenance"])]
     return "\n".join(lines)

@@ -18,6 +18,8 @@ table=$(awk -F '|' -v wanted="$columns" '
     if (!scene && /step/) { scene = substr($0, 4); inside = section }
     cost = /^## Cost/
   }
+  # What a "!" in the table means.
+  /^- ! / && inside && section == inside && !($0 in told) { told[$0] = 1; flags = flags $0 "\n" }
   /^on .* revision / { made = $0 }
   /^\|/ && ((inside && section == inside) || cost) {
     if (!in_table) {
@@ -50,6 +52,7 @@ table=$(awk -F '|' -v wanted="$columns" '
       print line
     }
     for (c = 1; c <= n; ++c) if (!(column[c] in found)) exit 1
+    if (flags) printf "\n%s", flags
     print "\nBest in bold, worst in italics; measured " made
   }' "$report") || die "$report has no scene with the columns $columns"
 

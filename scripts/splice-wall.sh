@@ -39,12 +39,30 @@ need_markers $page slow
 contact=docs/contact.md
 need_markers $contact blows
 
-rows=reports/published/wall_scatter/rows.csv
-if [ ! -r "$rows" ]; then die "there is no $rows"; fi
-table=$(awk -F, '
+# What the tables share: the columns by name, and whether a row tells a number that counts. Rows that do not are
+# counted by their outcome, or as flagged: "!".
+shared='
+  function field(name) { return (name in column) ? $column[name] : "" }
+  function said() { return field("validity") != "" ? "flagged (!)" : field("outcome") }
+  # That a metric does not apply says nothing of the run.
+  function counts(    word) {
+    word = said()
+    if (word == "ok") return 1
+    if (word != "not_applicable" && !((word, field("cell")) in told)) { told[word, field("cell")] = 1; ++left[word] }
+    return 0
+  }
+  function tell_left(    word, text) {
+    for (word in left) text = text (text == "" ? "" : ", ") left[word] " " word
+    if (text != "") printf "\nRuns that are left out: %s.\n", text
+  }
   { gsub(/"[^"]*"/, "quoted") }
   NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
-  $column["outcome"] != "ok" { next }
+'
+
+rows=reports/published/wall_scatter/rows.csv
+if [ ! -r "$rows" ]; then die "there is no $rows"; fi
+table=$(awk -F, "$shared"'
+  !counts() { next }
   {
     engine = $column["engine"] "/" $column["variant"]
     metric = $column["metric"]; value = $column["value"] + 0
@@ -66,6 +84,7 @@ table=$(awk -F, '
              spread, least[k], most[k], least[b], most[b], most[p]
     }
     if (!engines) exit 1
+    tell_left()
     # Welch: the difference of two means beside its standard error.
     a = "ourengine/fast" SUBSEP "energy_final_j"; b = "ourengine/exact" SUBSEP "energy_final_j"
     if (n[a] > 1 && n[b] > 1) {
@@ -80,10 +99,8 @@ put $page scatter <<<"$table"
 
 rows=reports/published/hit_scatter/rows.csv
 if [ ! -r "$rows" ]; then die "there is no $rows"; fi
-table=$(awk -F, '
-  { gsub(/"[^"]*"/, "quoted") }
-  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
-  $column["outcome"] != "ok" { ++failed; next }
+table=$(awk -F, "$shared"'
+  !counts() { next }
   {
     engine = $column["engine"] "/" $column["variant"]
     if (match($column["axes"], /knob\.iterations=[0-9]+/)) {
@@ -111,22 +128,19 @@ table=$(awk -F, '
       printf "| 1/%.0f s | %s | %d | %g | %d .. %d | %.2g |\n", 1 / part[1], part[2], n, median,
              moved[who, 1], moved[who, n], 1e3 * deepest[who]
     }
-    if (failed) printf "\n%d rows of runs that failed are left out.\n", failed
+    tell_left()
   }' "$rows") || die "$rows has no perturbed runs"
 put $page hits <<<"$table"
 
 rows=reports/published/brick_wall_slow/rows.csv
 if [ ! -r "$rows" ]; then die "there is no $rows"; fi
-table=$(awk -F, '
-  { gsub(/"[^"]*"/, "quoted") }
-  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+table=$(awk -F, "$shared"'
   {
     engine = $column["engine"] "/" $column["variant"]
-    said = $column["outcome"]
+    word = said()
     if (!(engine in outcome)) { order[++engines] = engine; outcome[engine] = "ok" }
-    # That a metric does not apply says nothing of the run.
-    if (said != "ok" && said != "not_applicable") outcome[engine] = said
-    else if (said == "ok") value[engine, $column["metric"]] = $column["value"]
+    if (word != "ok" && word != "not_applicable") outcome[engine] = word
+    if ($column["value"] != "") value[engine, $column["metric"]] = $column["value"]
   }
   END {
     count = split("energy_final_j energy_created_j linear_momentum_error_relative penetration_max_m bricks_displaced", metric, " ")
@@ -146,9 +160,7 @@ put $page slow <<<"$table"
 
 rows=reports/published/many_blows/rows.csv
 if [ ! -r "$rows" ]; then die "there is no $rows"; fi
-table=$(awk -F, '
-  { gsub(/"[^"]*"/, "quoted") }
-  NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; next }
+table=$(awk -F, "$shared"'
   $column["metric"] != "penetration_max_m" { next }
   {
     axes = $column["axes"]
@@ -157,12 +169,12 @@ table=$(awk -F, '
     who = speed SUBSEP courses
     if (!(who in runs)) order[++walls] = who
     ++runs[who]
-    if ($column["outcome"] != "ok") { ++failed[who]; next }
+    if (said() != "ok") { ++failed[who]; next }
     deep[who, ++n[who]] = $column["value"] + 0
   }
   END {
     if (!walls) exit 1
-    print "| speed of the brick, m/s | courses | blows | failed | deepest overlap, mm: median | worst |"
+    print "| speed of the brick, m/s | courses | blows | failed or flagged | deepest overlap, mm: median | worst |"
     print "|---:|---:|---:|---:|---:|---:|"
     for (speed = 20; speed <= 200; speed *= 10) for (w = 1; w <= walls; ++w) {
       split(order[w], part, SUBSEP)

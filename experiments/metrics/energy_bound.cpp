@@ -26,9 +26,8 @@ double EnergyBound::energy_j(std::size_t body, const State& state) const {
 
 void EnergyBound::begin(std::span<const State> states) {
   start_.assign(states.begin(), states.end());
-  const double depth_m =
-      std::max(DeepestOverlap(world_).find(states).depth_m, k_rounding_share * lift_m_);
-  const double push_mps = depth_m / step_s_;
+  depth_m_ = std::max(DeepestOverlap(world_).find(states).depth_m, k_rounding_share * lift_m_);
+  const double push_mps = depth_m_ / step_s_;
   fixed_scale_j_ = mass_kg_ * (world_.gravity_mps2.norm() * lift_m_ + 0.5 * push_mps * push_mps);
   for (std::size_t i = 0; i < states.size(); ++i) {
     const bool fixed = world_.bodies[i].fixed;
@@ -73,11 +72,26 @@ std::optional<EnergyBound::Excess> EnergyBound::observe(const Sample& sample) {
     }
   }
   fallen_j_ = std::max(fallen_j_, fallen_j);
-  excess.excess_j = gained_j.value() - work_j_.value();
-  excess.bound_j = k_blown_up_share * (fixed_scale_j_ + absolute_work_j_ + fallen_j_);
+  const double scale_j = fixed_scale_j_ + absolute_work_j_ + fallen_j_;
+  excess.found = gained_j.value() - work_j_.value();
+  excess.bound = k_blown_up_share * scale_j;
+  largest_share_ = std::max(largest_share_, excess.found / scale_j);
   // Not a number, where infinities met, is no sound energy either.
-  if (excess.excess_j <= excess.bound_j) return std::nullopt;
-  return excess;
+  if (!(excess.found <= excess.bound)) return excess;
+  return too_far(sample, scale_j);
+}
+
+std::optional<EnergyBound::Excess> EnergyBound::too_far(const Sample& sample,
+                                                        double scale_j) const {
+  for (std::size_t i = 0; i < sample.states.size(); ++i) {
+    const Body& body = world_.bodies[i];
+    if (body.fixed) continue;
+    const double speed_mps = std::sqrt(2.0 * (k_blown_up_share + 1.0) * scale_j / body.mass_kg);
+    const double reach_m = lift_m_ + depth_m_ + sample.time_s * speed_mps;
+    const double way_m = (sample.states[i].position_m - start_[i].position_m).stableNorm();
+    if (!(way_m <= reach_m) || !std::isfinite(reach_m)) return Excess{i, true, way_m, reach_m};
+  }
+  return std::nullopt;
 }
 
 }  // namespace brickbench

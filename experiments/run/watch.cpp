@@ -4,39 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <new>
+#include <utility>
 
 namespace brickbench {
-namespace {
-
-// A blow at the instant between two steps belongs to the later one; this share of a step covers the
-// rounding of time / step.
-constexpr double k_blow_rounding = 1e-9;
-
-// Calls into the engine; what it throws becomes a value.
-template <typename Call>
-Expected<void> guarded(std::size_t step, const Call& call) {
-  try {
-    return call();
-  } catch (const std::bad_alloc&) {
-    return fail(Fault::out_of_memory, fmt::format("the engine ran out of memory in step {}", step));
-  } catch (const std::exception& error) {
-    return fail(Fault::crashed, fmt::format("the engine threw in step {}: {}", step, error.what()));
-  } catch (...) {
-    return fail(Fault::crashed, fmt::format("the engine threw in step {}", step));
-  }
-}
-
-}  // namespace
 
 Watch::Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues)
     : scene_(scene),
       cell_(cell),
       steps_(step_count(cell)),
       stride_(std::max<std::uint64_t>(1, (steps_ + k_series_points - 2) / (k_series_points - 1))),
-      states_(scene.world.bodies.size()),
-      wrenches_(scene.world.bodies.size()),
       energy_bound_(scene, cell.step_s),
       passages_(scene.world, cell.step_s) {
   for (const std::string& name : cell.metrics) {
@@ -47,25 +23,22 @@ Watch::Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues)
 Expected<void> Watch::run(const Adapter& adapter, const StepCallback& after_step,
                           TrajectoryRecorder* recorder) {
   recorder_ = recorder;
-  StepClock build_clock;
-  build_clock.start();
-  auto simulation = build(adapter, scene_.world, settings());
-  build_clock.stop();
-  build_cpu_s_ = build_clock.total_s();
-  if (!simulation) return tl::unexpected(simulation.error());
-  note_method(adapter, **simulation);
-  (*simulation)->read(states_);
-  if (auto ok = observe(**simulation, 0); !ok) return ok;
-  for (std::size_t step = 1; step <= steps_; ++step) {
-    if (auto ok = advance(**simulation, step); !ok) return ok;
-    if (auto ok = observe(**simulation, step); !ok) return ok;
-    if (cell_.time_limit_s > 0.0 && clock_.total_s() > cell_.time_limit_s) {
+  auto started = Stepper::start(adapter, scene_.world, settings(), blows_of(scene_, cell_.step_s));
+  if (!started) return tl::unexpected(started.error());
+  Stepper& stepper = stepper_.emplace(std::move(*started));
+  note_method(adapter, stepper.simulation());
+  if (auto ok = observe(stepper.sample()); !ok) return ok;
+  while (stepper.done() < steps_) {
+    if (auto ok = stepper.advance(); !ok) return ok;
+    if (auto ok = observe(stepper.sample()); !ok) return ok;
+    if (cell_.time_limit_s > 0.0 && stepper.clock().total_s() > cell_.time_limit_s) {
       return fail(Fault::timed_out, fmt::format("{} of {} steps done within the limit of {} s",
-                                                step, steps_, cell_.time_limit_s));
+                                                stepper.done(), steps_, cell_.time_limit_s));
     }
-    const double done = static_cast<double>(step) / static_cast<double>(steps_);
+    const double done = static_cast<double>(stepper.done()) / static_cast<double>(steps_);
     if (after_step && !after_step(done)) {
-      return fail(Fault::timed_out, fmt::format("stopped after {} of {} steps", step, steps_));
+      return fail(Fault::timed_out,
+                  fmt::format("stopped after {} of {} steps", stepper.done(), steps_));
     }
   }
   return {};
@@ -94,57 +67,22 @@ void Watch::note_method(const Adapter& adapter, const Simulation& simulation) {
   std::erase_if(method_.facts, [](const MethodFact& fact) { return fact.name == "step_s"; });
 }
 
-Expected<void> Watch::advance(Simulation& simulation, std::size_t step) {
-  set_wrenches(step);
-  auto stepped = guarded(step, [&]() -> Expected<void> {
-    simulation.apply(wrenches_);
-    clock_.start();
-    auto result = simulation.step();
-    clock_.stop();
-    if (!result) {
-      result.error().reason =
-          fmt::format("step {} ({} s): {}", step, static_cast<double>(step) * cell_.step_s,
-                      result.error().reason);
-      return result;
-    }
-    simulation.read(states_);
-    return {};
-  });
-  if (!stepped) return stepped;
-  ++steps_done_;
-  return check_finite(step);
-}
-
-Expected<void> Watch::check_finite(std::size_t step) const {
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (is_finite(states_[i])) continue;
-    return fail(Fault::diverged, fmt::format("body '{}' is not finite after step {} ({} s)",
-                                             scene_.world.bodies[i].name, step,
-                                             static_cast<double>(step) * cell_.step_s));
-  }
-  return {};
-}
-
-void Watch::set_wrenches(std::size_t step) {
-  std::ranges::fill(wrenches_, Wrench{});
-  for (const Blow& blow : scene_.blows) {
-    const double at = std::floor(blow.time_s / cell_.step_s + k_blow_rounding);
-    if (at + 1.0 != static_cast<double>(step)) continue;
-    wrenches_[blow.body].force_n += blow.impulse_ns / cell_.step_s;
-    wrenches_[blow.body].torque_nm += blow.angular_impulse_nms / cell_.step_s;
-  }
-}
-
 Expected<void> Watch::check_energy(const Sample& sample) {
   const auto excess = energy_bound_.observe(sample);
   if (!excess) return {};
+  const std::string& body = scene_.world.bodies[excess->body].name;
+  if (excess->is_too_far) {
+    return fail(Fault::blown_up,
+                fmt::format("after step {} ({} s) body '{}' is {:.3g} m from its start, where the "
+                            "energy that there is carries it {:.3g} m at most",
+                            sample.step, sample.time_s, body, excess->found, excess->bound));
+  }
   return fail(
       Fault::blown_up,
       fmt::format("after step {} ({} s) there are {:.3g} J more kinetic and potential energy than "
                   "at the start and by outer work, where at most {:.3g} J are an error; body '{}' "
                   "gained most",
-                  sample.step, sample.time_s, excess->excess_j, excess->bound_j,
-                  scene_.world.bodies[excess->body].name));
+                  sample.step, sample.time_s, excess->found, excess->bound, body));
 }
 
 void Watch::watch_passages(Sample& sample) {
@@ -158,28 +96,14 @@ void Watch::watch_passages(Sample& sample) {
   sample.passage = passage_;
 }
 
-Expected<void> Watch::observe(Simulation& simulation, std::size_t step) {
-  Sample sample;
-  sample.step = step;
-  sample.time_s = static_cast<double>(step) * cell_.step_s;
-  sample.states = states_;
-  sample.wrenches = wrenches_;
-  if (const ContactView* view = simulation.contact_view(); view != nullptr && step > 0) {
-    view->contacts(contacts_);
-    sample.contacts = &contacts_;
-  }
-  if (const DiagnosticView* view = simulation.diagnostic_view(); view != nullptr && step > 0) {
-    sample.diagnostics = view->diagnostics();
-    sample.flags = view->flags();
-    sample.tellable = view->tellable();
-  }
+Expected<void> Watch::observe(Sample sample) {
   if (auto ok = check_energy(sample); !ok) return ok;
   watch_passages(sample);
   validity_.observe(sample);
   hash_.observe(sample);
   if (recorder_ != nullptr) recorder_->observe(sample);
   for (const auto& metric : metrics_) metric->observe(sample);
-  if (step % stride_ != 0) return {};
+  if (sample.step % stride_ != 0) return {};
   std::vector<Measurement> values;
   for (const auto& metric : metrics_) metric->trace(values);
   for (const Measurement& value : values) {
@@ -196,11 +120,12 @@ std::vector<std::vector<Measurement>> Watch::report() const {
 }
 
 void Watch::fill_timing(Timing& timing) const {
-  timing.steps = steps_done_;
-  timing.build_cpu_s = build_cpu_s_;
-  timing.step_median_cpu_s = clock_.median_s();
-  timing.step_max_cpu_s = clock_.max_s();
-  timing.steps_total_cpu_s = clock_.total_s();
+  if (!stepper_) return;
+  timing.steps = stepper_->clock().steps();
+  timing.build_cpu_s = stepper_->build_cpu_s();
+  timing.step_median_cpu_s = stepper_->clock().median_s();
+  timing.step_max_cpu_s = stepper_->clock().max_s();
+  timing.steps_total_cpu_s = stepper_->clock().total_s();
 }
 
 }  // namespace brickbench

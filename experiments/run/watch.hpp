@@ -2,18 +2,19 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/metrics/energy_bound.hpp"
 #include "experiments/metrics/passages.hpp"
 #include "experiments/metrics/state_hash.hpp"
-#include "experiments/metrics/step_clock.hpp"
 #include "experiments/metrics/validity.hpp"
 #include "experiments/record/provenance.hpp"
 #include "experiments/record/timing.hpp"
 #include "experiments/run/run_cell.hpp"
 #include "experiments/run/trajectory_recorder.hpp"
+#include "experiments/step/stepper.hpp"
 
 namespace brickbench {
 
@@ -48,25 +49,17 @@ class Watch {
   const MethodRecord& method() const { return method_; }
 
  private:
-  Expected<void> advance(Simulation& simulation, std::size_t step);
-  Expected<void> check_finite(std::size_t step) const;
   Settings settings() const;
   void note_method(const Adapter& adapter, const Simulation& simulation);
-  void set_wrenches(std::size_t step);
-  Expected<void> observe(Simulation& simulation, std::size_t step);
+  Expected<void> observe(Sample sample);
   Expected<void> check_energy(const Sample& sample);
   void watch_passages(Sample& sample);
 
   const Scene& scene_;
   const Cell& cell_;
   std::uint64_t steps_;
-  std::uint64_t steps_done_ = 0;
   std::uint64_t stride_;
-  double build_cpu_s_ = 0.0;
   std::vector<std::unique_ptr<Metric>> metrics_;
-  std::vector<State> states_;     // (bodies)
-  std::vector<Wrench> wrenches_;  // (bodies)
-  std::vector<Contact> contacts_;
   std::vector<CurvePoint> curves_;
   MethodRecord method_;
   StateHash hash_;
@@ -75,7 +68,7 @@ class Watch {
   std::string passage_;
   Validity validity_;
   TrajectoryRecorder* recorder_ = nullptr;
-  StepClock clock_;
+  std::optional<Stepper> stepper_;  // none before it is built
 };
 
 }  // namespace brickbench

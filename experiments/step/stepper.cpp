@@ -79,6 +79,8 @@ Sample Stepper::sample(bool with_contacts) {
   }
   if (const DiagnosticView* view = simulation_->diagnostic_view()) {
     sample.diagnostics = view->diagnostics();
+    sample.flags = view->flags();
+    sample.tellable = view->tellable();
   }
   return sample;
 }

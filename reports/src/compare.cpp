@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "reports/src/flags.hpp"
 #include "reports/src/replay_source.hpp"
 #include "reports/src/scene_names.hpp"
 #include "reports/src/summary.hpp"
@@ -79,16 +80,6 @@ struct Values {
   std::set<std::string> flags;  // their words
 };
 
-// "unsolved in 31 of 240 steps from step 12; clamped in ...": the first word of each part.
-void add_flags(const std::string& validity, std::set<std::string>& flags) {
-  for (std::size_t at = 0; at < validity.size();) {
-    const std::size_t end = std::min(validity.find("; ", at), validity.size());
-    const std::string part = validity.substr(at, end - at);
-    flags.insert(part.substr(0, part.find(' ')));
-    at = end + 2;
-  }
-}
-
 using Key = std::vector<std::string>;
 
 Key key_of(const std::string& experiment, const std::string& engine, const std::string& variant,
@@ -120,7 +111,7 @@ std::map<Key, Values> numbers_of(const ReportSource& source,
       values.values.push_back(*row.value);
     } else {
       ++values.flagged;
-      add_flags(row.validity, values.flags);
+      for (std::string& word : flag_words(row.validity)) values.flags.insert(std::move(word));
     }
   }
   for (auto& [key, values] : numbers) std::ranges::sort(values.values);

@@ -54,6 +54,12 @@ nlohmann::ordered_json rounded(const std::vector<double>& values) {
 
 }  // namespace
 
+std::size_t Curve::first_flagged() const {
+  if (!flagged_from) return x.size();
+  const auto first = std::ranges::find_if(x, [&](double at) { return at >= *flagged_from; });
+  return static_cast<std::size_t>(first - x.begin());
+}
+
 std::string FigureAxis::text() const {
   return unit == "1" ? label : fmt::format("{} ({})", label, unit);
 }
@@ -87,14 +93,16 @@ std::size_t hidden_points(const Figure& figure) {
 }
 
 std::string to_csv(const Figure& figure) {
-  std::string out =
-      fmt::format("curve,{},{},low,high\n", csv_text(figure.x.text()), csv_text(figure.y.text()));
+  std::string out = fmt::format("curve,{},{},low,high,flagged\n", csv_text(figure.x.text()),
+                                csv_text(figure.y.text()));
   for (const Curve& curve : figure.curves) {
     const std::string label = csv_text(curve.label);
+    const std::size_t flagged = curve.first_flagged();
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
       const bool band = !curve.low.empty();
-      out += fmt::format("{},{},{},{},{}\n", label, shortest(curve.x[i]), shortest(curve.y[i]),
-                         band ? shortest(curve.low[i]) : "", band ? shortest(curve.high[i]) : "");
+      out += fmt::format("{},{},{},{},{},{}\n", label, shortest(curve.x[i]), shortest(curve.y[i]),
+                         band ? shortest(curve.low[i]) : "", band ? shortest(curve.high[i]) : "",
+                         i < flagged ? 0 : 1);
     }
   }
   return out;
@@ -124,7 +132,9 @@ std::string to_gnuplot(const Figure& figure, const std::string& data, const std:
           "noborder notitle, \\\n  ",
           rows, colour);
     }
-    std::string look = fmt::format("{} linecolor rgb '{}'", style, colour);
+    // Faint where the run is flagged.
+    std::string look = fmt::format("{} linecolor rgb '{}{}'", style,
+                                   curve.flagged_from ? "#90" : "#", colour.substr(1));
     if (figure.lines) look += gnuplot_dash(curve.colour);
     if (figure.markers || !figure.lines)
       look += fmt::format(" pointtype {}", 4 + curve.colour % 10);
@@ -146,6 +156,7 @@ nlohmann::ordered_json to_json(const Figure& figure) {
                                    {"marker", curve.colour},
                                    {"x", rounded(curve.x)},
                                    {"y", rounded(curve.y)}};
+    if (curve.flagged_from) json["flagged_from"] = *curve.flagged_from;
     if (!curve.low.empty()) {
       json["low"] = rounded(curve.low);
       json["high"] = rounded(curve.high);

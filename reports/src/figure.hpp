@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,12 @@ struct Curve {
   std::vector<double> low;   // empty, or a band as long as y
   std::vector<double> high;  // empty, or as long as y
   std::string note;          // shown after the label in the legend: "order 1.02"
+  // Where a run is flagged: from this x on it is not to be trusted; the curve is drawn faint, with
+  // a cross there, and the note says why.
+  std::optional<double> flagged_from = {};
+
+  // The first of its points that is flagged; x.size() if none is.
+  std::size_t first_flagged() const;
 };
 
 struct FigureAxis {
@@ -54,7 +61,8 @@ std::size_t hidden_points(const Figure& figure);
 // page's.
 std::string to_svg(const Figure& figure, bool standalone);
 
-// curve,x,y,low,high with the axes' names as header; shortest numbers that read back exactly.
+// curve,x,y,low,high,flagged with the axes' names as header; shortest numbers that read back
+// exactly. flagged: 1 for points that are not to be trusted.
 std::string to_csv(const Figure& figure);
 
 // A gnuplot script that draws `data` (the figure's CSV) into `pdf`.

@@ -169,10 +169,21 @@ std::string band(const Curve& curve, const Scale& x, const Scale& y) {
                      palette_colour(curve.colour));
 }
 
+// A cross where a curve stops to be trusted.
+std::string flag_cross(double x, double y, const std::string& colour) {
+  return fmt::format(
+      "<path class=\"flag\" d=\"M{:.1f} {:.1f}l10 10m0 -10l-10 10\" fill=\"none\" stroke=\"{}\" "
+      "stroke-width=\"2.5\"/>\n",
+      x - 5, y - 5, colour);
+}
+
 std::string drawn(const Figure& figure, const Curve& curve, const Scale& x, const Scale& y) {
   std::string line;
   std::string marks;
+  std::string cross;
+  const std::size_t flagged = curve.first_flagged();
   bool pen_down = false;
+  const std::string colour = palette_colour(curve.colour);
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     if (!x.shows(curve.x[i]) || !y.shows(curve.y[i])) {
       pen_down = false;
@@ -182,11 +193,12 @@ std::string drawn(const Figure& figure, const Curve& curve, const Scale& x, cons
     const double py = y.px(curve.y[i]);
     line += fmt::format("{}{:.1f} {:.1f}", pen_down ? 'L' : 'M', px, py);
     pen_down = true;
+    if (cross.empty() && i >= flagged) cross = flag_cross(px, py, colour);
     if (figure.markers) marks += marker(curve.colour, px, py);
   }
   if (line.empty()) return "";
-  const std::string colour = palette_colour(curve.colour);
   std::string out = band(curve, x, y);
+  if (curve.flagged_from) out += "<g opacity=\"0.45\">";
   if (figure.lines) {
     out += fmt::format(
         "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-dasharray=\"{}\"/>"
@@ -194,7 +206,8 @@ std::string drawn(const Figure& figure, const Curve& curve, const Scale& x, cons
         line, colour, palette_dash(curve.colour));
   }
   if (!marks.empty()) out += fmt::format("<path d=\"{}\" fill=\"{}\"/>\n", marks, colour);
-  return out;
+  if (curve.flagged_from) out += "</g>\n";
+  return out + cross;
 }
 
 std::string legend(const Figure& figure, double top) {

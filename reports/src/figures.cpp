@@ -1,6 +1,7 @@
 #include "reports/src/figures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "reports/src/flags.hpp"
 #include "reports/src/replay_source.hpp"
 #include "reports/src/scene_names.hpp"
 
@@ -18,13 +20,17 @@ struct CellFacts {
   std::string scene;
   std::string contender;
   std::uint64_t seed = 0;
+  double step_s = 0.0;
+  std::string validity;
+  std::string outcome;  // of a run that did not go to its end
 };
 
 std::map<std::string, CellFacts> facts_by_cell(const ReportSource& source) {
   std::map<std::string, CellFacts> facts;
   for (const Row& row : source.rows) {
     if (!facts.contains(row.cell))
-      facts.emplace(row.cell, CellFacts{scene_of(row), contender_of(row), row.seed});
+      facts.emplace(row.cell, CellFacts{scene_of(row), contender_of(row), row.seed, row.step_s,
+                                        row.validity, row.state_hash.empty() ? row.outcome : ""});
   }
   return facts;
 }
@@ -55,6 +61,42 @@ Figure& figure_of(std::vector<Figure>& figures, std::map<Key, std::size_t>& know
   const auto [place, is_new] = known.emplace(key, figures.size());
   if (is_new) figures.emplace_back();
   return figures[place->second];
+}
+
+// Marks the curve of a flagged run.
+void mark(Curve& curve, const CellFacts& cell) {
+  if (cell.validity.empty()) return;
+  curve.note = flag_mark(cell.validity, cell.step_s);
+  curve.flagged_from = static_cast<double>(first_flagged_step(cell.validity)) * cell.step_s;
+}
+
+// Who is missing among the curves of a scene, and why: " No curve of bee/v (blown_up)."
+std::string missing_note(const Figure& figure, const std::map<std::string, CellFacts>& facts) {
+  std::map<std::string, std::string> missing;
+  for (const auto& [id, cell] : facts) {
+    const bool is_drawn =
+        std::ranges::find(figure.curves, cell.contender, &Curve::label) != figure.curves.end();
+    if (cell.scene == figure.scene && !is_drawn && !cell.outcome.empty()) {
+      missing[cell.contender] = cell.outcome;
+    }
+  }
+  std::string text;
+  for (const auto& [who, why] : missing) {
+    text += fmt::format("{}{} ({})", text.empty() ? "No curve of " : ", ", who, why);
+  }
+  return text.empty() ? "" : text + ". ";
+}
+
+// What a flag is in a figure over time, with the words of the runs.
+std::string flags_note(const Figure& figure, const std::map<std::string, CellFacts>& facts) {
+  std::set<std::string> told;
+  for (const auto& [id, cell] : facts) {
+    if (cell.scene != figure.scene || cell.validity.empty()) continue;
+    told.insert(fmt::format("{} {}", cell.contender, cell.validity));
+  }
+  if (told.empty()) return "";
+  return fmt::format("Faint, with a cross at the first step: not to be trusted. {}. ",
+                     fmt::join(told, "; "));
 }
 
 Curve& curve_of(Figure& figure, const std::string& label, Palette& palette) {
@@ -118,6 +160,19 @@ std::string hidden_note(const Figure& figure) {
                      : fmt::format("{} points that are not above zero are not shown. ", hidden);
 }
 
+// Adds to the caption who is not drawn because its number is flagged or missing.
+void note_left_out(const Score& score, const std::string& who, Figure& figure) {
+  if (score.is_valid() || score.outcome == "not_applicable") return;
+  const bool is_flagged = score.flagged > 0;
+  const std::string why =
+      is_flagged ? fmt::format("{} !", fmt::join(flag_words(score.validity), ", ")) : score.outcome;
+  figure.caption += fmt::format("{}{} ({})", figure.caption.empty() ? "" : ", ", who, why);
+}
+
+std::string left_out_text(const std::string& who) {
+  return who.empty() ? "" : fmt::format("Not drawn: {}. ", who);
+}
+
 }  // namespace
 
 std::vector<Figure> figures_over_time(const ReportSource& source, Palette& palette) {
@@ -149,6 +204,10 @@ std::vector<Figure> figures_over_time(const ReportSource& source, Palette& palet
     Curve& curve = curve_of(figure, cell.contender, palette);
     curve.x.push_back(point.time_s);
     curve.y.push_back(point.value);
+    mark(curve, cell);
+  }
+  for (Figure& figure : figures) {
+    figure.caption = flags_note(figure, facts) + missing_note(figure, facts);
   }
   return figures;
 }
@@ -178,8 +237,10 @@ std::vector<Figure> figures_against_step(const ReportSource& source, Palette& pa
       }
       for (std::size_t c = 0; c < block.contenders.size(); ++c) {
         const Score& score = block.scores[c][n];
+        const std::string label = block.contenders[c].label();
+        note_left_out(score, fmt::format("{} at {:.4g} s", label, block.step_s), figure);
         if (!score.is_valid()) continue;
-        Curve& curve = curve_of(figure, block.contenders[c].label(), palette);
+        Curve& curve = curve_of(figure, label, palette);
         curve.x.push_back(block.step_s);
         curve.y.push_back(*score.median);
         curve.low.push_back(score.lowest);
@@ -197,7 +258,7 @@ std::vector<Figure> figures_against_step(const ReportSource& source, Palette& pa
         curve.high.clear();
       }
     }
-    figure.caption = hidden_note(figure);
+    figure.caption = hidden_note(figure) + left_out_text(figure.caption);
   }
   return figures;
 }
@@ -234,6 +295,7 @@ std::vector<Figure> figures_against_cost(const ReportSource& source, Palette& pa
     for (std::size_t c = 0; c < block.contenders.size(); ++c) {
       const std::string label = block.contenders[c].label();
       auto cost = costs.find({scene_label(block), label});
+      note_left_out(block.scores[c][n], fmt::format("{} at {:.4g} s", label, block.step_s), figure);
       if (!block.scores[c][n].is_valid() || cost == costs.end()) continue;
       std::ranges::sort(cost->second);
       Curve& curve = curve_of(figure, label, palette);
@@ -257,7 +319,7 @@ std::vector<Figure> figures_against_cost(const ReportSource& source, Palette& pa
       }
     }
     figure.caption =
-        hidden_note(figure) +
+        hidden_note(figure) + left_out_text(figure.caption) +
         fmt::format("No other is both cheaper and better than: {}.", fmt::join(front, ", "));
     for (Curve& curve : figure.curves) sort_by_x(curve);
   }

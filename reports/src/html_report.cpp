@@ -104,8 +104,9 @@ std::string replay_facts(const ReportSource& source, const ReplayLimits& limits)
   for (const Replay& replay : source.replays) {
     most = std::max({most, replay.recorded_frames, replay.times_s.size()});
     contacts = contacts || !replay.contact_offsets.empty();
-    if (!replay.note.empty())
-      notes += fmt::format(" {} ended early: {}.", replay.engine, replay.note);
+    if (replay.note.empty()) continue;
+    notes += fmt::format(" {}{}: {}.", replay.engine, replay.flagged_from_s ? "" : " ended early",
+                         replay.note);
   }
   std::string out = fmt::format(
       "{} of {} recorded cells{}; {} of up to {} recorded frames each, motion between them "
@@ -194,6 +195,7 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
   section("validation", "Validation",
           html_validation(source, palette, "figures/" + prefix + "validation.csv"));
   section("unfinished", "Cells without numbers", html_unfinished(source, names));
+  section("flagged", "Cells whose numbers do not count", html_flagged(source, names));
   section("engines", "Who was run", html_contenders(source, palette));
   section("method", "Method and provenance", html_method(source));
   section("numbers", "What the numbers mean", html_glossary(source));

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "reports/src/flags.hpp"
 #include "reports/src/losses.hpp"
 #include "reports/src/markdown_report.hpp"
 #include "reports/src/markup.hpp"
@@ -156,6 +157,31 @@ std::string html_losses(const ReportSource& source, const std::vector<Block>& bl
                          text_table(table, palette), lost.rows.size() <= 24);
 }
 
+// A cell that is no number of others: who, where, why, and the command that repeats it.
+std::string cell_row(const Row& row, const std::string& why, const ReportSource& source,
+                     const SceneNames& names) {
+  const std::string repeat =
+      row.outcome == "excluded" ? "" : reproduce_command(row, source.provenance.plan);
+  return fmt::format(
+      "<tr><th scope=\"row\">{}</th><td class=\"text\">{}</td><td class=\"text\">{}</td>"
+      "<td class=\"text\">{}</td></tr>\n",
+      escape_markup(contender_of(row)), escape_markup(names.brief(scene_of(row))),
+      escape_markup(why),
+      repeat.empty() ? ""
+                     : fmt::format("<details><summary>command</summary><code>{}</code></details>",
+                                   escape_markup(repeat)));
+}
+
+// Of one contender.
+struct CellCount {
+  std::size_t ran = 0;
+  std::size_t flagged = 0;
+  std::size_t all = 0;
+  std::string text() const {
+    return fmt::format("{} of {}{}", ran, all, flagged > 0 ? fmt::format(", {} !", flagged) : "");
+  }
+};
+
 }  // namespace
 
 std::string html_section(const std::string& id, const std::string& title, const std::string& body) {
@@ -244,37 +270,38 @@ std::string html_validation(const ReportSource& source, const Palette& palette,
                      matrix_table(validation_matrix(source), palette));
 }
 
+std::string html_flagged(const ReportSource& source, const SceneNames& names) {
+  std::string rows;
+  for (const Row* row : flagged_cells(source.rows)) {
+    rows += cell_row(*row, "! " + row->validity, source, names);
+  }
+  if (rows.empty()) return "";
+  return k_table_open + header_row({"engine", "scene", "flags", "repeat"}) + rows + k_table_close;
+}
+
 std::string html_unfinished(const ReportSource& source, const SceneNames& names) {
   std::string rows;
   std::set<std::string> seen;
   for (const Row& row : source.rows) {
     if (!row.state_hash.empty() || !seen.insert(row.cell).second) continue;
-    const std::string repeat =
-        row.outcome == "excluded" ? "" : reproduce_command(row, source.provenance.plan);
-    rows += fmt::format(
-        "<tr><th scope=\"row\">{}</th><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}"
-        "</td><td class=\"text\">{}</td></tr>\n",
-        escape_markup(contender_of(row)), escape_markup(names.brief(scene_of(row))),
-        escape_markup(row.outcome), escape_markup(row.reason),
-        repeat.empty() ? ""
-                       : fmt::format("<details><summary>command</summary><code>{}</code></details>",
-                                     escape_markup(repeat)));
+    rows +=
+        cell_row(row, row.outcome + (row.reason.empty() ? "" : ": ") + row.reason, source, names);
   }
   if (rows.empty()) return "";
-  return k_table_open + header_row({"engine", "scene", "outcome", "reason", "repeat"}) + rows +
-         k_table_close;
+  return k_table_open + header_row({"engine", "scene", "outcome", "repeat"}) + rows + k_table_close;
 }
 
 std::string html_contenders(const ReportSource& source, const Palette& palette) {
-  std::map<std::string, std::pair<std::size_t, std::size_t>> cells;  // ran, all
+  std::map<std::string, CellCount> cells;
   std::vector<std::pair<std::string, const Row*>> order;
   std::set<std::string> seen;
   for (const Row& row : source.rows) {
     if (!seen.insert(row.cell).second) continue;
     const std::string label = contender_of(row);
     if (!cells.contains(label)) order.emplace_back(label, &row);
-    cells[label].first += row.state_hash.empty() ? 0 : 1;
-    ++cells[label].second;
+    cells[label].ran += row.state_hash.empty() ? 0 : 1;
+    cells[label].flagged += row.validity.empty() ? 0 : 1;
+    ++cells[label].all;
   }
   const std::vector<std::string> own = own_engines(source.provenance);
   Table table;
@@ -287,7 +314,7 @@ std::string html_contenders(const ReportSource& source, const Palette& palette) 
                           {row->precision},
                           {knobs.empty() ? "the variant's own" : knobs},
                           {is_own ? "this project" : "others"},
-                          {fmt::format("{} of {}", cells[label].first, cells[label].second)}});
+                          {cells[label].text()}});
   }
   std::string out = table.rows.empty() ? "" : text_table(table, palette);
   const Table audit = audit_table(source);

@@ -25,6 +25,8 @@ std::string html_scene_tables(const std::vector<Block>& blocks, const SceneNames
 // `csv`: address of the file behind the matrix.
 std::string html_validation(const ReportSource& source, const Palette& palette,
                             const std::string& csv);
+// Cells that ran to their end and are flagged, with the flags and the command that repeats them.
+std::string html_flagged(const ReportSource& source, const SceneNames& names);
 std::string html_unfinished(const ReportSource& source, const SceneNames& names);
 std::string html_contenders(const ReportSource& source, const Palette& palette);
 std::string html_method(const ReportSource& source);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "adapters/seam/unit.hpp"
+#include "reports/src/flags.hpp"
 #include "reports/src/losses.hpp"
 #include "reports/src/summary.hpp"
 
@@ -99,6 +101,21 @@ std::string unfinished(const ReportInput& input) {
   return "## Cells without numbers\n\n" + to_markdown(table) + '\n';
 }
 
+std::string flagged_table(const ReportInput& input) {
+  Table table;
+  table.header = {"engine", "experiment", "step_s", "seed", "flags", "repeat"};
+  for (const Row* row : flagged_cells(input.rows)) {
+    table.rows.push_back({{row->engine + '/' + row->variant},
+                          {row->experiment},
+                          {shortest(row->step_s)},
+                          {std::to_string(row->seed)},
+                          {"! " + row->validity},
+                          {'`' + reproduce_command(*row, input.provenance->plan) + '`'}});
+  }
+  if (table.rows.empty()) return "";
+  return "## Cells whose numbers do not count\n\n" + to_markdown(table) + '\n';
+}
+
 std::string worst_lines(const Block& block) {
   std::string out;
   for (std::size_t n = 0; n < block.numbers.size(); ++n) {
@@ -107,8 +124,7 @@ std::string worst_lines(const Block& block) {
     const Score& score = block.scores[*number.worst][n];
     out += fmt::format("- worst {}: {} with {}{}{}{}\n", number.name,
                        block.contenders[*number.worst].label(), short_number(*score.median),
-                       number.unit == "1" ? "" : " " + number.unit, score.note.empty() ? "" : ", ",
-                       score.note);
+                       unit_suffix(number.unit), score.note.empty() ? "" : ", ", score.note);
   }
   return out.empty() ? "" : out + '\n';
 }
@@ -220,8 +236,8 @@ std::string reproduce_command(const Row& row, const std::string& plan_file) {
 
 std::string markdown_report(const ReportInput& input) {
   const std::vector<Block> blocks = summarize(input.rows);
-  return head(input) + own_losses(input, blocks) + unfinished(input) + blocks_text(blocks) +
-         cost(input) + glossary(input);
+  return head(input) + own_losses(input, blocks) + unfinished(input) + flagged_table(input) +
+         blocks_text(blocks) + cost(input) + glossary(input);
 }
 
 }  // namespace brickbench

@@ -172,6 +172,7 @@ Replay thinned(const Replay& replay, std::size_t frames) {
              .contact_offsets = {},
              .contact_points_m = {},
              .note = replay.note,
+             .flagged_from_s = replay.flagged_from_s,
              .recorded_frames = replay.recorded_frames};
   if (!replay.contact_offsets.empty()) out.contact_offsets = {0};
   const std::size_t n = replay.bodies.size();
@@ -210,6 +211,7 @@ nlohmann::ordered_json to_json(const Replay& replay, std::size_t contact_stride)
                                  {"has_penetration", !replay.penetrations_m.empty()},
                                  {"data", encoded(replay)}};
   if (!replay.note.empty()) json["note"] = replay.note;
+  if (replay.flagged_from_s) json["flagged_from"] = *replay.flagged_from_s;
   if (!replay.contact_offsets.empty()) {
     json["contact_lattice"] = k_contact_lattice_m;
     json["contact_stride"] = contact_stride;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,8 @@ struct Replay {
   std::vector<double> penetrations_m;  // empty, or (frames, bodies): deepest overlap of each body
   std::vector<std::size_t> contact_offsets = {};  // empty, or (frames + 1): first point of a frame
   std::vector<double> contact_points_m = {};      // (points, 3), world frame
-  std::string note = {};                          // how the run ended, unless well
+  std::string note = {};                          // how the run ended, unless well; or its flags
+  std::optional<double> flagged_from_s = {};      // the first flagged step of a run with flags
   std::size_t recorded_frames = 0;                // in the trajectory, before any thinning
 };
 

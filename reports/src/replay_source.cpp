@@ -8,6 +8,7 @@
 
 #include "adapters/seam/shape.hpp"
 #include "experiments/record/trajectory.hpp"
+#include "reports/src/flags.hpp"
 #include "reports/src/summary.hpp"
 
 namespace brickbench {
@@ -73,6 +74,10 @@ Expected<Replay> read_replay(const fs::path& file, const Row& row) {
   replay.recorded_frames = trajectory->times_s().size();
   if (trajectory->end().outcome != "ok") {
     replay.note = fmt::format("{}: {}", trajectory->end().outcome, trajectory->end().reason);
+  }
+  if (!row.validity.empty()) {
+    replay.note = "! " + row.validity;
+    replay.flagged_from_s = static_cast<double>(first_flagged_step(row.validity)) * row.step_s;
   }
   for (const TrajectoryBody& body : header.bodies) replay.bodies.push_back(body_of(body));
   if (header.contacts) replay.contact_offsets = {0};

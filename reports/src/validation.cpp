@@ -8,6 +8,8 @@
 #include <optional>
 #include <string_view>
 
+#include "adapters/seam/unit.hpp"
+
 namespace brickbench {
 namespace {
 
@@ -75,7 +77,7 @@ std::string settings_text(const Json& engine) {
   for (const Json& fact : engine["settings"]) {
     const std::string unit = text_of(fact, "unit");
     out += fmt::format("{}{} {}{}", out.empty() ? "" : "; ", text_of(fact, "name"),
-                       text_of(fact, "value"), unit.empty() || unit == "1" ? "" : ' ' + unit);
+                       text_of(fact, "value"), unit_suffix(unit));
   }
   return out;
 }

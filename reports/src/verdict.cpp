@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "adapters/seam/unit.hpp"
 #include "reports/src/losses.hpp"
 #include "reports/src/validation.hpp"
 
@@ -13,7 +14,7 @@ namespace brickbench {
 namespace {
 
 std::string with_unit(double value, const std::string& unit) {
-  return unit == "1" ? short_number(value) : short_number(value) + ' ' + unit;
+  return short_number(value) + unit_suffix(unit);
 }
 
 std::string kept_by_flags(const LossTable& table) {

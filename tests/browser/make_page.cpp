@@ -1,5 +1,6 @@
 // make_page FOLDER: writes pages for the browser tests: a wall of 4 x 400 bricks in invented motion
-// (`wall`), one of 2 000 bricks (`many`), and one whose every text is hostile (`hostile`).
+// (`wall`), one of 2 000 bricks (`many`), one with runs that do not count (`flagged`), and one
+// whose every text is hostile (`hostile`).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -125,6 +126,30 @@ ReportSource source_of(const std::string& experiment, const std::vector<std::str
   return source;
 }
 
+// One sound engine, one that is flagged from 0.5 s on, and one that blew up at 1 s.
+ReportSource flagged_source() {
+  ReportSource source = source_of("flagged", {"sound", "bee", "gone"}, 4, 6);
+  const std::string flags = "unsolved in 31 of 2000 steps from step 500";
+  for (Row& row : source.rows) {
+    if (row.engine == "bee") row.validity = flags;
+    if (row.engine != "gone") continue;
+    row.value.reset();
+    row.state_hash.clear();
+    row.outcome = "blown_up";
+    row.reason = "after step 1000 (1 s) there are 2e+06 J more";
+  }
+  for (Timing& timing : source.timings) {
+    if (timing.engine == "bee") timing.validity = flags;
+    if (timing.engine == "gone") timing.outcome = "blown_up";
+  }
+  std::erase_if(source.series, [](const SeriesPoint& point) { return point.engine == "gone"; });
+  source.replays[1].note = "! " + flags;
+  source.replays[1].flagged_from_s = 0.5;
+  source.replays[2] = thinned(source.replays[2], k_frames / 2);
+  source.replays[2].note = "blown_up: " + source.rows.back().reason;
+  return source;
+}
+
 int write(const std::filesystem::path& folder, const ReportSource& source) {
   const std::vector<ReportSource> sources = {source};
   const auto files = report_files(sources, page_assets());
@@ -142,6 +167,7 @@ int run(const std::filesystem::path& folder) {
   const std::string hostile = "<script>document.title='owned'</script>&\"'";
   int status = write(folder / "wall", source_of("wall", {"ours", "bee", "cee", "dee"}, 20, 20));
   status += write(folder / "many", source_of("many", {"ours"}, 40, 50));
+  status += write(folder / "flagged", flagged_source());
   status += write(folder / "hostile", source_of(hostile, {hostile, "</script><b>"}, 2, 3));
   return status;
 }

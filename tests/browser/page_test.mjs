@@ -197,6 +197,45 @@ const tests = {
     await close();
   },
 
+  async "shows in replay and plots since when a run is not to be trusted"() {
+    const { page, complaints, close } = await open("flagged");
+    await page.evaluate(() => window.brickbench.drawAllPlots());
+    const labels = page.locator(".view-label");
+    const marked = () => labels.evaluateAll((all) => all.map((label) => label.classList.contains("flagged")));
+    assert.match(await labels.nth(1).textContent(), /! unsolved in 31 of 2000 steps from step 500/);
+    assert.match(await labels.nth(2).textContent(), /blown_up: after step 1000/);
+    assert.equal(await labels.nth(0).locator("small").count(), 0);
+    await seek(page, 0.49);
+    assert.deepEqual(await marked(), [false, false, false]);
+    await page.getByRole("button", { name: "! 0.500 s" }).click();
+    assert.ok(Math.abs(await page.evaluate(() => window.brickbench.clock.time) - 0.5) < 1e-9);
+    assert.deepEqual(await marked(), [false, true, false]);
+    const plot = page.locator("figure[data-figure^=time]").first();
+    await plot.scrollIntoViewIfNeeded();
+    await page.waitForTimeout(200);
+    assert.match(await plot.locator(".u-legend").textContent(), /bee\/default, ! unsolved from 0.5 s/);
+    assert.match(await plot.locator("figcaption").textContent(), /No curve of gone\/default \(blown_up\)/);
+    // The cross: opaque colour of the curve around its point, where the curve itself is faint.
+    const opaque = (id) => page.evaluate((figureId) => {
+      const figure = window.brickbench.data.figures.find((f) => f.id === figureId);
+      const curve = figure.curves.find((c) => c.flagged_from !== undefined);
+      const wanted = curve.colour.match(/[0-9a-f]{2}/gi).map((v) => parseInt(v, 16));
+      const canvas = document.querySelector(`[data-figure="${figureId}"] canvas`);
+      const { data: bytes } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      let count = 0;
+      for (let i = 0; i < bytes.length; i += 4) {
+        count += bytes[i + 3] > 200 && wanted.every((v, k) => Math.abs(v - bytes[i + k]) < 12) ? 1 : 0;
+      }
+      return count;
+    }, id);
+    const cross = await opaque(await plot.getAttribute("data-figure"));
+    assert.ok(cross > 15 && cross < 400, `a cross of ${cross} points`);
+    await page.locator("#replay").scrollIntoViewIfNeeded();
+    await page.screenshot({ path: join(out, "screenshots/flagged.png"), fullPage: true });
+    assert.deepEqual(complaints, []);
+    await close();
+  },
+
   async "is readable on a phone and in the dark"() {
     const { page, complaints, close } = await open("wall", {
       viewport: { width: 390, height: 800 }, colorScheme: "dark", hasTouch: true, isMobile: true });

@@ -80,13 +80,25 @@ export class Controls {
         [...this.engines.querySelectorAll("input")].flatMap((b, k) => (b.checked ? [k] : []))));
       const swatch = element("i", { className: "swatch" });
       swatch.style.background = view.colour;
-      return element("label", {}, box, swatch, view.engine);
+      const label = element("label", {}, box, swatch, view.engine);
+      return view.flagged_from === undefined ? label : element("span", { className: "group" }, label, this.flag(view));
     }));
     this.mode.value = "material";
     this.stage.ghost = -1;
     this.clock.playing = false;
     this.colour();
     this.clock.seek(0);
+  }
+
+  // A button that goes to the first flagged step of a run.
+  flag(view) {
+    const button = element("button", { className: "flag", textContent: `! ${view.flagged_from.toFixed(3)} s`,
+      title: `${view.note}: not to be trusted from here on` });
+    button.addEventListener("click", () => {
+      this.clock.play(false);
+      this.clock.seek(view.flagged_from);
+    });
+    return button;
   }
 
   // One recorded frame on or back.

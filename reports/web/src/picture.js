@@ -85,7 +85,7 @@ export function picture({ stage, controls }, clock, time, type) {
   context.drawImage(stage.canvas, 0, 0);
   stage.visible.forEach((index, place) => {
     const { view } = stage.views[index];
-    label(context, view.engine, view.colour, (place % columns) * cellWidth + 8,
+    label(context, view.note ? `${view.engine}, ${view.note}` : view.engine, view.colour, (place % columns) * cellWidth + 8,
       Math.floor(place / columns) * cellHeight + 8, cellWidth - 16, size);
   });
   footer(context, `${clock.time.toFixed(3)} s`, controls.mode.value, controls.limit, 2,

@@ -50,6 +50,28 @@ function decades(low, high) {
   return out.filter((value) => value >= low && value <= high);
 }
 
+// A cross where a flagged curve stops to be trusted.
+function crosses(plot, figure) {
+  const { ctx } = plot;
+  const arm = 5 * devicePixelRatio;
+  ctx.save();
+  ctx.lineWidth = 2.5 * devicePixelRatio;
+  for (const curve of figure.curves) {
+    if (curve.flagged_from === undefined) continue;
+    const at = curve.x.findIndex((x) => x !== null && x >= curve.flagged_from - 1e-9);
+    if (at < 0 || curve.y[at] === null) continue;
+    const [x, y] = [plot.valToPos(curve.x[at], "x", true), plot.valToPos(curve.y[at], "y", true)];
+    ctx.strokeStyle = curve.colour;
+    ctx.beginPath();
+    for (const side of [-arm, arm]) {
+      ctx.moveTo(x - arm, y - side);
+      ctx.lineTo(x + arm, y + side);
+    }
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
 // In a cost plot a curve may come back in x: it is drawn as points only.
 function options(figure, width, data) {
   const axis = (side) => ({
@@ -63,8 +85,10 @@ function options(figure, width, data) {
   const series = [{ label: figure.x.text, value: (_, v) => number(v) }];
   const bands = [];
   for (const curve of figure.curves) {
+    const isFlagged = curve.flagged_from !== undefined;
     series.push({
-      label: curve.note ? `${curve.label}, ${curve.note}` : curve.label, stroke: curve.colour,
+      label: curve.note ? `${curve.label}, ${curve.note}` : curve.label,
+      stroke: isFlagged ? curve.colour + "73" : curve.colour, class: isFlagged ? "flagged" : undefined,
       width: figure.lines ? 1.8 : 0, dash: dash(curve), spanGaps: true,
       points: { show: figure.markers, size: 8, fill: curve.colour }, value: (_, v) => number(v),
     });
@@ -88,6 +112,7 @@ function options(figure, width, data) {
     width, height, series, bands,
     scales: { x: { time: false, ...scale(figure.x, data[0]) }, y: scale(figure.y, data.slice(1).flat()) },
     axes: [axis(figure.x), axis(figure.y)],
+    hooks: { draw: [(plot) => crosses(plot, figure)] },
     legend: { live: figure.over_time }, cursor: { y: false, drag: { x: true, y: false } },
   };
 }

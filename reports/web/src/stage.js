@@ -71,7 +71,10 @@ export class Stage {
     this.dark = matchMedia("(prefers-color-scheme: dark)");
     this.dark.addEventListener("change", () => this.dress());
     new ResizeObserver(() => this.resize()).observe(host);
-    clock.subscribe(() => (this.dirty = true));
+    clock.subscribe(() => {
+      this.markLabels();
+      this.dirty = true;
+    });
   }
 
   // `runs`: decoded views in the order of `scene.views`.
@@ -188,6 +191,7 @@ export class Stage {
       label.style.borderColor = view.colour;
       label.style.maxWidth = `${cellWidth - 16}px`;
       label.textContent = view.engine;
+      if (view.flagged_from !== undefined) label.dataset.flaggedFrom = view.flagged_from;
       if (view.note) {
         const note = document.createElement("small");
         note.textContent = view.note;
@@ -197,7 +201,16 @@ export class Stage {
       this.host.append(label);
       return label;
     });
+    this.markLabels();
     this.dirty = true;
+  }
+
+  // A label stands out from the first flagged step of its run on.
+  markLabels() {
+    for (const label of this.labels) {
+      const from = label.dataset.flaggedFrom;
+      label.classList.toggle("flagged", from !== undefined && this.clock.time >= Number(from) - 1e-9);
+    }
   }
 
   // Moves the camera so that the box fills the view from this side.

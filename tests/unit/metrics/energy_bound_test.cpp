@@ -134,5 +134,36 @@ TEST(EnergyBound, NoticesWhateverIsFarBeyondAnything) {
   }
 }
 
+// 1 m beside its start after 50 ms is 20 m/s on the way, where 4 S carry 2.8 m/s.
+TEST(EnergyBound, NoticesABodyThatIsWhereNoVelocityCarriesIt) {
+  for (const double far : {1.0, 1e6, 1e33, 1e160, 1e300, 1e308}) {
+    for (const Eigen::Vector3d& along :
+         {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, -0.6, -0.8), Eigen::Vector3d(0, 0, -1)}) {
+      SyntheticRun run = kicked({0, 0, 0}, k_g_mps2, 0.01);
+      run.states = [start = initial_states(run.scene),
+                    way_m = Eigen::Vector3d(far * along)](std::size_t step) {
+        std::vector<State> states = start;
+        if (step >= 5) states[0].position_m += way_m;
+        return states;
+      };
+      EXPECT_EQ(blown_up_in(run), 5U) << far << " along " << along.transpose();
+    }
+  }
+}
+
+TEST(EnergyBound, LetsABodyBeAsFarAsItsEnergyCarriesIt) {
+  // At rest in the scene, then as fast as three times the energy in play allows.
+  const double speed_mps = 0.999 * std::sqrt(2.0 * k_blown_up_share * k_g_mps2 * 0.1);
+  SyntheticRun run = kicked({0, 0, 0}, k_g_mps2, 0.01);
+  run.steps = 1000;
+  run.states = [start = initial_states(run.scene), speed_mps](std::size_t step) {
+    std::vector<State> states = start;
+    states[0].velocity_mps.x() = step > 0 ? speed_mps : 0.0;
+    states[0].position_m.x() += 0.01 * speed_mps * static_cast<double>(step);
+    return states;
+  };
+  EXPECT_EQ(blown_up_in(run), 0U);
+}
+
 }  // namespace
 }  // namespace brickbench::testing

@@ -99,6 +99,20 @@ TEST_F(ReplaySource, ThinsLongRecordsAndSaysHowLongTheyWere) {
   EXPECT_TRUE(check(fewer).has_value());
 }
 
+TEST_F(ReplaySource, SaysSinceWhenARunIsNotToBeTrusted) {
+  Row flagged = row_of("a", 1);
+  flagged.validity =
+      "unsolved in 3 of 9 steps from step 250; clamped in 1 of 9 steps from step 240";
+  const Row sound = row_of("b", 1);
+  for (const Row& row : {flagged, sound}) record(row, row.cell, 3);
+  const auto recorded = read_replays(folder_, std::vector<Row>{flagged, sound});
+  ASSERT_TRUE(recorded.has_value()) << recorded.error().reason;
+  EXPECT_EQ(recorded->replays[0].note, "! " + flagged.validity);
+  EXPECT_DOUBLE_EQ(recorded->replays[0].flagged_from_s.value_or(-1.0), 0.24);
+  EXPECT_EQ(recorded->replays[1].note, "");
+  EXPECT_FALSE(recorded->replays[1].flagged_from_s.has_value());
+}
+
 TEST_F(ReplaySource, NamesFilesThatAreDamagedOrOfAnotherCell) {
   const Row a = row_of("a", 1);
   const Row b = row_of("b", 1);
