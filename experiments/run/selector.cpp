@@ -46,8 +46,8 @@ Checked<Selector> parse_selector(const std::string& text, const SourcePosition& 
 
 Selector expect_selector(const std::string& text, const SourcePosition& at,
                          const Catalogues& catalogues, bool must_be_linked) {
-  Selector selector{.text = text, .engine = text, .variant = "", .at = at};
-  if (text == "all") selector.engine = "*";
+  Selector selector{
+      .text = text, .engine = text == "all" ? std::string("*") : text, .variant = "", .at = at};
   if (const auto slash = text.find('/'); slash != std::string::npos) {
     selector.engine = text.substr(0, slash);
     selector.variant = text.substr(slash + 1);
