@@ -18,9 +18,9 @@ using brickbench::testing::Tolerance;
 using brickbench::testing::Worst;
 using testing::Random;
 
-constexpr Tolerance k_parting{"parting_share", 4e-11, 3.1e-12,
-                              "QpResult::residual of four corners, relative to the approach"};
-constexpr Tolerance k_balance{"energy_share", 1e-8, 1e-9, "the same, of random faces"};
+constexpr Tolerance k_parting{"parting_share", 8e-15, 4.5e-16,
+                              "rounding of one solve of four corners"};
+constexpr Tolerance k_balance{"energy_share", 4e-14, 2.3e-15, "the same, of random faces"};
 constexpr double k_hit_step_s = 0.001;
 
 // A pair that meets along x with both centres on the line of the hit.
