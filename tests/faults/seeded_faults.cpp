@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "adapters/catalog.hpp"
 #include "adapters/seam/shape.hpp"
 
 namespace brickbench::testing {
@@ -34,8 +33,6 @@ std::vector<std::size_t> moving(const World& world) {
   }
   return indices;
 }
-
-World demanding_world();
 
 // The first knob that the correct engine shows and that can be doubled or halved.
 void change_a_knob(Settings& settings) {
@@ -152,6 +149,9 @@ constexpr std::array k_faults = {
     SeededFault{.name = "setting_swallowed",
                 .story = "one setting of the solver has not the value asked for",
                 .settings = change_a_knob},
+    SeededFault{.name = "knob_swallowed",
+                .story = "the knobs that were turned never arrive",
+                .settings = [](Settings& s) { s.knobs.clear(); }},
     SeededFault{.name = "variant_swallowed",
                 .story = "another variant of the engine runs than the one asked for",
                 .settings = [](Settings& s) { s.variant = correct_adapter().variants[1].name; }},
@@ -279,105 +279,71 @@ constexpr std::array k_faults = {
         .story = "last step's contacts are reported again with this step's",
         .contacts = [](std::vector<Contact>& now, const std::vector<Contact>& previous,
                        double) { now.insert(now.end(), previous.begin(), previous.end()); }},
+    // Steps that go wrong.
+    SeededFault{.name = "plastic_is_elastic_once",
+                .story = "the first plastic hit bounces",
+                .step = plastic_is_elastic_once},
+    SeededFault{.name = "restitution_adds_energy",
+                .story = "a bounce comes back 1.3 times as fast",
+                .step = restitution_adds_energy},
+    SeededFault{.name = "bounce_gains_a_step",
+                .story = "a bounce moves one step too far at the velocity u after it: m g h u more",
+                .step = bounce_gains_a_step},
+    SeededFault{.name = "contact_is_lost_when_moved_apart",
+                .story = "overlaps are moved away before contacts are looked for: the place is "
+                         "held, the fall goes on",
+                .step = contact_is_lost_when_moved_apart},
+    SeededFault{.name = "light_bricks_explode",
+                .story = "bricks below 0.6 kg triple their speed at contacts",
+                .step = light_bricks_explode},
+    SeededFault{.name = "flies_to_1e33_m",
+                .story = "a hit gives a velocity of 1e33 m per step",
+                .step = flies_to_1e33_m},
+    SeededFault{.name = "is_carried_to_1e33_m",
+                .story = "a hit puts a body 1e33 m away, at a velocity like any other",
+                .step = is_carried_to_1e33_m},
+    SeededFault{.name = "sinks_after_a_blow",
+                .story = "what a blow has moved falls into the ground",
+                .step = sinks_after_a_blow,
+                .hunted_in = "explosion"},
+    SeededFault{.name = "passes_at_a_hit",
+                .story = "a hit puts the bodies on the other side",
+                .step = passes_at_a_hit,
+                .hunted_in = "two_bricks brick_drop"},
+    SeededFault{.name = "nan_is_hidden",
+                .story = "the solver yields NaN, and from then on the old state is told",
+                .step = nan_is_hidden},
+    SeededFault{.name = "creeps",
+                .story = "what rests on the ground moves at 2 cm/s",
+                .step = creeps,
+                .hunted_in = "brick_drop incline tower"},
+    SeededFault{.name = "leaks_momentum",
+                .story = "a millionth of all velocities is lost in every step",
+                .step = leaks_momentum,
+                .hunted_in = "two_bricks free_brick assembly"},
+    SeededFault{.name = "pulls_to_the_left",
+                .story = "every hit gives a velocity along -y",
+                .step = pulls_to_the_left,
+                .hunted_in = "two_bricks brick_drop"},
+    SeededFault{.name = "differs_from_run_to_run",
+                .story = "every run starts a little elsewhere",
+                .step = differs_from_run_to_run},
 };
-
-class FaultySimulation final : public Simulation, ContactView {
- public:
-  FaultySimulation(std::unique_ptr<Simulation> inner, const World& world, const SeededFault& fault,
-                   double step_s, bool audit)
-      : inner_(std::move(inner)), world_(world), fault_(fault), step_s_(step_s), audit_(audit) {
-    previous_.resize(world.bodies.size());
-    inner_->read(previous_);
-  }
-
-  void apply(std::span<const Wrench> wrenches) override {
-    std::vector<Wrench> wrong(wrenches.begin(), wrenches.end());
-    if (fault_.load != nullptr) fault_.load(wrong, previous_, step_);
-    inner_->apply(wrong);
-  }
-
-  Expected<void> step() override {
-    inner_->read(previous_);
-    if (const ContactView* view = inner_->contact_view()) view->contacts(previous_contacts_);
-    ++step_;
-    return inner_->step();
-  }
-
-  void read(std::span<State> states) const override {
-    inner_->read(states);
-    if (fault_.read == nullptr || step_ == 0) return;
-    Readout readout = {states, previous_, world_, step_, step_s_};
-    fault_.read(readout);
-  }
-
-  const ContactView* contact_view() const override {
-    return inner_->contact_view() == nullptr ? nullptr : this;
-  }
-  const AuditView* audit_view() const override { return audit_ ? inner_->audit_view() : nullptr; }
-
- private:
-  void contacts(std::vector<Contact>& contacts) const override {
-    inner_->contact_view()->contacts(contacts);
-    if (fault_.contacts != nullptr) fault_.contacts(contacts, previous_contacts_, step_s_);
-  }
-
-  std::unique_ptr<Simulation> inner_;
-  World world_;
-  const SeededFault& fault_;
-  double step_s_;
-  bool audit_;
-  int step_ = 0;
-  std::vector<State> previous_;
-  std::vector<Contact> previous_contacts_;
-};
-
-template <std::size_t Index, bool Audit>
-Expected<std::unique_ptr<Simulation>> build_faulty(const World& world, const Settings& settings) {
-  const SeededFault& fault = k_faults[Index];
-  World wrong_world = world;
-  Settings wrong_settings = settings;
-  if (fault.world != nullptr) fault.world(wrong_world);
-  if (fault.settings != nullptr) fault.settings(wrong_settings);
-  auto inner = build(correct_adapter(), wrong_world, wrong_settings);
-  if (!inner) return inner;
-  return std::make_unique<FaultySimulation>(std::move(*inner), world, fault, settings.step_s,
-                                            Audit);
-}
-
-using Build = Expected<std::unique_ptr<Simulation>> (*)(const World&, const Settings&);
-
-template <bool Audit, std::size_t... Index>
-std::array<Build, sizeof...(Index)> builders(std::index_sequence<Index...>) {
-  return {&build_faulty<Index, Audit>...};
-}
-
-World demanding_world() {
-  World world;
-  world.law = {.friction = 0.5, .restitution = 0.5};
-  State above;
-  above.position_m.z() = 2.0;
-  world.bodies = {ground_plane(), solid_body("ball", SphereShape{0.5}, 1.0, above)};
-  return world;
-}
 
 }  // namespace
 
 std::span<const SeededFault> seeded_faults() { return k_faults; }
 
-Adapter correct_adapter() {
-  for (Adapter& adapter : adapters()) {
-    if (!scheme_of(adapter, {}) || !adapter.asked) continue;
-    if (build(adapter, demanding_world(), {}).has_value()) return adapter;
-  }
-  return {};
+KnobValues turned_knob() {
+  Settings settings;
+  settings.variant = correct_adapter().variants.front().name;
+  change_a_knob(settings);
+  return settings.knobs;
 }
 
-Adapter faulty_adapter(std::size_t index, bool audit) {
-  constexpr auto k_all = std::make_index_sequence<k_faults.size()>();
-  Adapter adapter = correct_adapter();
-  adapter.name = k_faults[index].name;
-  adapter.build = audit ? builders<true>(k_all)[index] : builders<false>(k_all)[index];
-  return adapter;
+std::size_t fault_named(std::string_view name) {
+  const auto found = std::ranges::find(k_faults, name, &SeededFault::name);
+  return static_cast<std::size_t>(found - k_faults.begin());
 }
 
 }  // namespace brickbench::testing
