@@ -35,6 +35,7 @@ TEST(Project, NoPathNamesAnEngineAndAScenario) { expect_clean(check_mixed_paths)
 TEST(Project, FilesAreShort) { expect_clean(check_lengths); }
 TEST(Project, ATypeNameStandsForOneType) { expect_clean(check_type_names); }
 TEST(Project, EveryBranchOnAShapeIsExhaustive) { expect_clean(check_shapes); }
+TEST(Project, EnginesAreSteppedInOnePlace) { expect_clean(check_stepping); }
 TEST(Project, DocumentsNameWhatExists) { expect_clean(check_documents); }
 
 TEST(Project, IsSeenAtAll) {
@@ -76,7 +77,7 @@ Tree good_house() {
 TEST(Rules, AGoodHousePassesAll) {
   for (const Check check :
        {check_includes, check_floors, check_engine_names, check_mixed_paths, check_lengths,
-        check_type_names, check_shapes, check_documents, long_adapters}) {
+        check_type_names, check_shapes, check_stepping, check_documents, long_adapters}) {
     EXPECT_TRUE(check(good_house()).empty()) << text(check(good_house()));
   }
 }
@@ -121,6 +122,8 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
       {check_shapes, "tests/unit/run/run_test.cpp",
        "if (std::holds_alternative<PlaneShape>(shape)) {}\n"},
       {check_shapes, "adapters/ode_scene.cpp", "std::get_if<engine::Box>(&body.solid);\n"},
+      {check_stepping, "experiments/run/cell.cpp", "auto ok = simulation->step();\n"},
+      {check_stepping, "cli/verb_run.cpp", "if (!one.step()) return;\n"},
       {check_documents, "README.md", "Look into `experiments/nothing/`.\n"},
       {check_documents, "docs/more.md", "Look into `cli/missing.cpp`.\n"},
       {check_documents, "README.md", "Look into `nowhere/`.\n"},

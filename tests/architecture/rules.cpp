@@ -292,6 +292,18 @@ std::vector<Finding> check_shapes(const Tree& tree) {
   return findings;
 }
 
+std::vector<Finding> check_stepping(const Tree& tree) {
+  std::vector<Finding> findings;
+  for (const auto& [path, content] : tree.files) {
+    const bool looks = is_below(path, "experiments") || is_below(path, "cli");
+    if (!is_cpp(path) || !looks || is_below(path, "experiments/step")) continue;
+    for (const std::string& call : matches(without_comments(content), R"(((?:->|\.)step\(\)))")) {
+      findings.push_back({"stepping", path, call + ": leave it to experiments/step"});
+    }
+  }
+  return findings;
+}
+
 std::vector<Finding> check_documents(const Tree& tree) {
   const auto produced = [](const std::string& named) {
     return named.starts_with("build/") || named.starts_with("results/");

@@ -7,9 +7,6 @@
 namespace brickbench::testing {
 namespace {
 
-// Builders are made for as many.
-constexpr std::size_t k_most_faults = 64;
-
 class FaultySimulation final : public Simulation, ContactView {
  public:
   FaultySimulation(std::unique_ptr<Simulation> inner, const World& world, const SeededFault& fault,
@@ -69,9 +66,8 @@ class FaultySimulation final : public Simulation, ContactView {
   int memory_ = 0;
 };
 
-template <std::size_t Index, bool Audit>
-Expected<std::unique_ptr<Simulation>> build_faulty(const World& world, const Settings& settings) {
-  const SeededFault& fault = seeded_faults()[Index];
+Expected<std::unique_ptr<Simulation>> build_faulty(const SeededFault& fault, bool audit,
+                                                   const World& world, const Settings& settings) {
   World wrong_world = world;
   Settings wrong_settings = settings;
   if (fault.world != nullptr) fault.world(wrong_world);
@@ -79,14 +75,7 @@ Expected<std::unique_ptr<Simulation>> build_faulty(const World& world, const Set
   auto inner = build(correct_adapter(), wrong_world, wrong_settings);
   if (!inner) return inner;
   return std::make_unique<FaultySimulation>(std::move(*inner), world, fault, settings.step_s,
-                                            Audit);
-}
-
-using Build = Expected<std::unique_ptr<Simulation>> (*)(const World&, const Settings&);
-
-template <bool Audit, std::size_t... Index>
-std::array<Build, sizeof...(Index)> builders(std::index_sequence<Index...>) {
-  return {&build_faulty<Index, Audit>...};
+                                            audit);
 }
 
 }  // namespace
@@ -102,20 +91,19 @@ World demanding_world() {
 
 Adapter correct_adapter() {
   for (Adapter& adapter : adapters()) {
-    if (adapter.scheme == nullptr) continue;
-    Settings plain;
-    plain.variant = adapter.variants.front().name;
-    if (!adapter.scheme(plain) || adapter.asked == nullptr) continue;
+    if (!scheme_of(adapter, {}) || !adapter.asked) continue;
     if (build(adapter, demanding_world(), {}).has_value()) return adapter;
   }
   return {};
 }
 
 Adapter faulty_adapter(std::size_t index, bool audit) {
-  constexpr auto k_all = std::make_index_sequence<k_most_faults>();
+  const SeededFault& fault = seeded_faults()[index];
   Adapter adapter = correct_adapter();
-  adapter.name = seeded_faults()[index].name;
-  adapter.build = audit ? builders<true>(k_all)[index] : builders<false>(k_all)[index];
+  adapter.name = fault.name;
+  adapter.build = [&fault, audit](const World& world, const Settings& settings) {
+    return build_faulty(fault, audit, world, settings);
+  };
   return adapter;
 }
 
