@@ -1,10 +1,9 @@
 // No run that is right is called blown up: every engine and variant, scenes of every scenario drawn
 // at random, exact cases drawn over their domains. What is right is said by others: the oracles of
 // the hunt, where a step resolves the spins, and the discrete and the continuous truth of a case.
-// That a scheme explains an explosion does not make it right: explicit schemes make energy of a spin
-// that turns a radian in a step.
-// BRICKBENCH_SCAN=N looks at N scenes and N cases per variant and prints the table of
-// docs/metrics.md.
+// That a scheme explains an explosion does not make it right: explicit schemes make energy of a
+// spin that turns a radian in a step. BRICKBENCH_SCAN=N looks at N scenes and N cases per variant
+// and prints the table of docs/metrics.md.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
