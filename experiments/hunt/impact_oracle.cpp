@@ -145,7 +145,7 @@ std::optional<Breach> impact_breach(const Motion& motion) {
   Worst worst;
   for (std::size_t n = 0; n < motion.steps(); ++n) {
     const gate::StepRecord record = motion.record(n);
-    const auto face = both ? common_face(world, record) : std::nullopt;
+    const auto face = both && one_pair ? common_face(world, record) : std::nullopt;
     const Sum p = sum_of(world, record, *motion.scheme, law.restitution, face);
     const double scale_j = kinetic_j(world, record.before) + edge_j;
     const double depth_m =

@@ -254,6 +254,23 @@ TEST(Oracles, HoldHitsInTurnToTheirEnergyAlone) {
   EXPECT_GT(made, k_family / 2);
 }
 
+// One body alone, and three, of any law: there is no pair whose face could be asked for.
+TEST(Oracles, HoldHitsInTurnOfAnyNumberOfBodies) {
+  for (const std::size_t others : {0U, 2U}) {
+    Scene scene = one_body(BoxShape{{0.1, 0.1, 0.1}}, {}, false, {0.5, 0.5});
+    for (std::size_t k = 1; k <= others; ++k) {
+      State other;
+      other.position_m.x() = 0.5 * static_cast<double>(k);
+      scene.world.bodies.push_back(solid_body("other", BoxShape{{0.1, 0.1, 0.1}}, 1000.0, other));
+    }
+    scene.world.gravity_mps2.setZero();
+    Motion motion = motion_of(scene, 0.01, 3, [](std::vector<State>&, std::size_t) {});
+    motion.scheme->impulse.reset();
+    motion.scheme->sequential = SequentialContact{};
+    EXPECT_EQ(all_broken(motion), "") << others;
+  }
+}
+
 TEST(Oracles, SeeABodyHeldInTheAir) {
   State start;
   start.position_m.z() = 5.0;
