@@ -11,6 +11,9 @@ namespace brickbench::hunt {
 
 // Of sums over a step in double precision, relative.
 inline constexpr double k_rounding = 1e-12;
+// Of momenta: what rounding leaves of a step in engines that count in single precision inside,
+// whose velocities are 6e-8 apart.
+inline constexpr double k_single_rounding = 1e-6;
 // An energy that an iterative solver, stopped early, may be off by; of the largest kinetic energy
 // and of the weight at the height of an edge. Stated, not fitted: what is below it is not news.
 inline constexpr double k_energy_share = 0.01;

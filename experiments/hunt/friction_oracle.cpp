@@ -22,9 +22,6 @@ constexpr double k_resting_weights = 2.0;
 constexpr double k_flat_share = 0.01;
 // Friction beyond Coulomb's cone, of that on the cone: single bricks converge to rounding.
 constexpr double k_cone_share = 0.002;
-// Of the momentum: what rounding leaves of a step in engines that count in single precision, whose
-// velocities are 6e-8 apart, inside.
-constexpr double k_single_rounding = 1e-6;
 
 // The normal of the one fixed body's face on which the brick lies: that which is nearest to the
 // impulse against gravity.

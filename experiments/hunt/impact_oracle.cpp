@@ -125,7 +125,7 @@ double push_mps(const Motion& motion, double depth_m) {
 // Points that are hit one after the other get Newton's law each in its turn: what is left of it in
 // the sum is that no hit adds energy, which is the law at 1, of any number of pairs.
 bool hits_one_by_one(const Scheme& scheme) {
-  return scheme.sequential && !scheme.sequential->hits_at_once;
+  return scheme.sequential() != nullptr && !scheme.sequential()->hits_at_once;
 }
 
 }  // namespace

@@ -15,10 +15,6 @@ namespace {
 constexpr double k_momentum_share = 1e-9;
 constexpr double k_single_share = 1e-4;
 
-// Of the momentum of each body, what a step may round, however much of it cancels in the sum; of
-// engines that count in single precision as much as in friction_oracle.cpp.
-constexpr double k_single_rounding = 1e-6;
-
 double share_of(const Motion& motion) { return motion.single ? k_single_share : k_momentum_share; }
 
 Eigen::Vector3d momentum_ns(const World& world, std::span<const State> states) {

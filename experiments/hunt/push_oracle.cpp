@@ -12,10 +12,8 @@ namespace {
 constexpr double k_push_share = 0.1;
 // Of the weights times the step: what a solver that was stopped early may leave.
 constexpr double k_weight_share = 0.05;
-// Of the momenta: what rounding leaves of a step, in double precision, and in engines that count in
-// single precision inside.
+// Of the momenta: what rounding leaves of a step in double precision.
 constexpr double k_double_rounding = 1e-9;
-constexpr double k_single_rounding = 1e-6;
 // A square of friction reaches this much farther than the circle in it.
 constexpr double k_square_reach = 1.4142135623730951;
 

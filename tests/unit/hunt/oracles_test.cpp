@@ -214,8 +214,7 @@ Motion thrown_and_stopped(double depth_share, double apart_m) {
     states[1].position_m.x() += 10.0 * k_step_s;
     if (step == 2) states[0].position_m.x() -= 1.8 * 10.0 * k_step_s;
   });
-  motion.scheme->impulse.reset();
-  motion.scheme->sequential = SequentialContact{.depth_share = depth_share};
+  motion.scheme->contact = SequentialContact{.depth_share = depth_share};
   return motion;
 }
 
@@ -225,8 +224,7 @@ TEST(Oracles, LetACutStepThrowABodyToAndFro) {
   EXPECT_TRUE(breaks(thrown_and_stopped(0.25, 5.0), "kinematics"));
   for (const bool within : {true, false}) {
     Motion motion = thrown_and_stopped(0.0, 0.25);
-    motion.scheme->sequential.reset();
-    motion.scheme->impulse = ImpulseContact{.bounces_before_touch = within};
+    motion.scheme->contact = ImpulseContact{.bounces_before_touch = within};
     EXPECT_EQ(breaks(motion, "kinematics"), !within);
   }
 }
@@ -242,8 +240,7 @@ TEST(Oracles, HoldHitsInTurnToTheirEnergyAlone) {
     const auto breaks_impact = [&](double bounce, bool at_once) {
       ball.bounce = bounce;
       Motion motion = ball.motion();
-      motion.scheme->impulse.reset();
-      motion.scheme->sequential = SequentialContact{.hits_at_once = at_once};
+      motion.scheme->contact = SequentialContact{.hits_at_once = at_once};
       return breaks(motion, "impact");
     };
     EXPECT_FALSE(breaks_impact(0.9, false));
@@ -265,8 +262,7 @@ TEST(Oracles, HoldHitsInTurnOfAnyNumberOfBodies) {
     }
     scene.world.gravity_mps2.setZero();
     Motion motion = motion_of(scene, 0.01, 3, [](std::vector<State>&, std::size_t) {});
-    motion.scheme->impulse.reset();
-    motion.scheme->sequential = SequentialContact{};
+    motion.scheme->contact = SequentialContact{};
     EXPECT_EQ(all_broken(motion), "") << others;
   }
 }
