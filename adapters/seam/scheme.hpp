@@ -105,12 +105,13 @@ struct CompliantContact {
 // not approach, what leaves faster has no impulse, and friction on a manifold's middle stops what
 // slides or is as large as it may be. A manifold that bounced keeps no impulses. From the last blow
 // on such bodies go on with the velocities at the end, unless that brings one of the island deeper
-// into another. A body that was pushed turns as in free flight from its mean spin. An island with
-// more kinetic energy than it had and gravity and loads added gives up bounce: its contacts are
-// solved without any as well, and as much of the first answer is taken as the energy allows; if
-// that is not enough and nothing is fixed in the island, its motion against itself shrinks by one
-// factor. Neither laws nor limit are looked at where no pushed body is, or was, faster than gravity
-// makes it in a sub-step. A body that no contact pushed during the step flies freely instead.
+// into another, or lifts an island that something fixed is in though nothing bounces. A body that
+// was pushed turns as in free flight from its mean spin. An island with more kinetic energy than it
+// had and gravity and loads added gives up bounce: its contacts are solved without any as well, and
+// as much of the first answer is taken as the energy allows; if that is not enough and nothing is
+// fixed in the island, its motion against itself shrinks by one factor. Neither laws nor limit are
+// looked at where no pushed body is, or was, faster than gravity makes it in a sub-step. A body
+// that no contact pushed during the step flies freely instead.
 struct SoftContact {
   int substeps = 1;
   double frequency_hz = 0.0;  // of the spring; at most one radian per sub-step

@@ -246,7 +246,8 @@ void FastDynamics::move_on() {
   }
 }
 
-// Islands that would meet on that way what they did not meet in the trial stay where it left them.
+// Islands that would meet on that way what they did not meet in the trial stay where it left them,
+// and so do those on the ground that would be lifted though nothing bounces.
 void FastDynamics::move_back_what_meets(std::span<const SoftVector> trial) {
   std::vector<char> meets(bodies_.size(), 0);
   for (const Slot& slot : slots_) {
@@ -258,8 +259,17 @@ void FastDynamics::move_back_what_meets(std::span<const SoftVector> trial) {
       for (const int body : {m.body_a, m.body_b}) meets[at(island_[at(body)])] = 1;
     }
   }
+  std::vector<double> gained_j(bodies_.size(), 0.0);  // by gravity and loads, beyond the trial
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    if (meets[at(island_[i])] != 0) moved_[i] = trial[i];
+    if (bodies_[i].fixed) continue;
+    const Eigen::Vector3d force_n = bodies_[i].mass_kg * options_.gravity_mps2 + loads_[i].force_n;
+    gained_j[at(island_[i])] += force_n.dot(linear_part(moved_[i]) - linear_part(trial[i]));
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const auto root = at(island_[i]);
+    const bool lifts =
+        grounded_[root] != 0 && laws_held_[root] == Law::plastic && gained_j[root] < 0.0;
+    if (meets[root] != 0 || lifts) moved_[i] = trial[i];
   }
 }
 

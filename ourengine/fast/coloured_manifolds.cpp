@@ -188,9 +188,8 @@ void FastDynamics::mark_touched() {
       slot.pushed = false;
       slot.deepest_m = 0.0F;
       for (const SoftPoint& point : std::span(batch.point).first(at(manifold.count))) {
-        if (!(point.max_impulse[i] > 0.0F)) continue;
-        slot.pushed = true;
         slot.deepest_m = std::max(slot.deepest_m, -point.gap_now[i]);
+        slot.pushed = slot.pushed || point.max_impulse[i] > 0.0F;
       }
       if (!slot.pushed) continue;
       for (const int body : {manifold.body_a, manifold.body_b}) {

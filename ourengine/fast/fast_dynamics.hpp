@@ -135,7 +135,7 @@ class FastDynamics {
     int batch = 0;  // index into batches_
     int lane = 0;
     bool pushed = false;     // during the trial
-    float deepest_m = 0.0F;  // overlap of its pushed points where the trial ends
+    float deepest_m = 0.0F;  // overlap of its points where the trial ends
   };
 
   struct SlotImpulses {  // of the whole step, on b

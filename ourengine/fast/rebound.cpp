@@ -180,8 +180,7 @@ double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<T
       if (row.inverse_mass_a > 0.0) changed_in[at(row.body_a)] = sweep;
       if (row.inverse_mass_b > 0.0) changed_in[at(row.body_b)] = sweep;
     }
-    const bool fine = sweep < k_rebound_fine_sweeps;
-    if (changed_mps <= (fine ? 0.0 : k_rebound_coarse * enough_mps)) break;
+    if (changed_mps == 0.0) break;
   }
   return changed_mps;
 }

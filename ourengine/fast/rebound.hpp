@@ -60,10 +60,6 @@ struct ReboundRow {
 // none had touched.
 inline constexpr double k_rebound_share = 1e-5;  // of the fastest approach: enough
 inline constexpr int k_rebound_sweeps = 64;
-// After so many sweeps this many times as much is enough: in crowds friction and pressure may go on
-// handing each other the last ten-thousandth for ever.
-inline constexpr int k_rebound_fine_sweeps = 16;
-inline constexpr double k_rebound_coarse = 100.0;
 double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity);
 
 // A body of a group whose contacts join them, at the end of the step.

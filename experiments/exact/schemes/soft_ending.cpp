@@ -87,8 +87,10 @@ void SoftMap::bounce(const Islands& islands, std::span<const State> states,
 }
 
 // Bodies of islands that were struck go on from the last blow with the velocities that they end
-// with, but for islands that would get deeper into something than the sub-steps brought them.
-void SoftMap::move_on(const Islands& islands, const std::vector<Motion>& motions) {
+// with, but for islands that would get deeper into something than the sub-steps brought them, or on
+// the ground be lifted though nothing bounces.
+void SoftMap::move_on(const Islands& islands, std::span<const Wrench> wrenches,
+                      const std::vector<Motion>& motions) {
   const std::vector<Twist> trial = moved_;
   for (std::size_t i = 0; i < moved_.size(); ++i) {
     if (run_.world.bodies[i].fixed || !islands.touched[i]) continue;
@@ -110,8 +112,19 @@ void SoftMap::move_on(const Islands& islands, const std::vector<Motion>& motions
       meets[islands.of[row.a.body]] = meets[islands.of[row.b.body]] = true;
     }
   }
+  std::vector<double> gained_j(moved_.size(), 0.0);
   for (std::size_t i = 0; i < moved_.size(); ++i) {
-    if (meets[islands.of[i]]) moved_[i] = trial[i];
+    const Body& body = run_.world.bodies[i];
+    if (body.fixed) continue;
+    const Vector3d force = body.mass_kg * run_.world.gravity_mps2 + wrenches[i].force_n;
+    gained_j[islands.of[i]] +=
+        force.dot(moved_[i].linear.cast<double>() - trial[i].linear.cast<double>());
+  }
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    const std::size_t root = islands.of[i];
+    const bool lifts =
+        islands.grounded[root] && islands.law[root] == Law::plastic && gained_j[root] < 0.0;
+    if (meets[root] || lifts) moved_[i] = trial[i];
   }
 }
 
@@ -315,14 +328,16 @@ bool SoftMap::limit_energy(const Islands& islands, std::span<const Wrench> wrenc
       if (islands.of[i] != root || !islands.touched[i] || body.fixed) continue;
       members.push_back(i);
       const Vector3d force = body.mass_kg * run_.world.gravity_mps2 + wrenches[i].force_n;
-      room_j += force.norm() *
-                (reach_m(i, starts[i], wrenches[i]) + moved_[i].linear.cast<double>().norm());
+      const double h = run_.step_s;
+      room_j += force.dot(h * starts[i].velocity_mps + 0.5 * h * h / body.mass_kg * force -
+                          moved_[i].linear.cast<double>());
     }
     if (!islands.grounded[root]) {
       slow_down(members, allowed[root], ends);
       room_j = 0.0;
     }
-    const double left_j = kinetic_j(islands, ends)[root] - std::max(allowed[root], 0.0) - room_j;
+    const double left_j =
+        kinetic_j(islands, ends)[root] - std::max(allowed[root], 0.0) - std::max(0.0, room_j);
     held = held && left_j <= soft_.energy_share * now[root];
   }
   return held;
@@ -358,7 +373,7 @@ bool SoftMap::finish(std::span<const Wrench> wrenches, std::span<State> states) 
   std::vector<Motion> motions = given(wrenches, states);
   const bool quiet = is_quiet(found, wrenches, states);
   if (!quiet) bounce(found, states, motions);
-  if (!quiet && after_blow_s_ > 0.0) move_on(found, motions);
+  if (!quiet && after_blow_s_ > 0.0) move_on(found, wrenches, motions);
   remember_impulses(quiet);
   const std::vector<State> starts(states.begin(), states.end());
   for (std::size_t i = 0; i < states.size(); ++i) {

@@ -17,9 +17,6 @@ constexpr int k_row_rounds = 16;
 // Of what is enough between rows, and of what the first round changed: enough within one.
 constexpr double k_row_share = 0.1;
 constexpr double k_round_share = 0.1;
-// After so many sweeps this many times as much is enough between rows.
-constexpr int k_fine_sweeps = 16;
-constexpr double k_coarse = 100.0;
 
 }  // namespace
 
@@ -194,7 +191,7 @@ void SoftMap::settle(std::vector<Firm>& rows, double enough_mps,
                      std::vector<Motion>& motions) const {
   std::vector<int> moved_in(motions.size(), 0);
   for (int sweep = 1; sweep <= soft_.rebound_sweeps; ++sweep) {
-    double changed_mps = 0.0;
+    bool changed = false;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       Firm& row = rows[sweep % 2 == 1 ? k : rows.size() - 1 - k];
       const Side& a = row.row->a;
@@ -205,12 +202,12 @@ void SoftMap::settle(std::vector<Firm>& rows, double enough_mps,
         change_mps = std::max(change_mps, settle_friction(row, motions));
       }
       if (change_mps <= enough_mps) continue;
-      changed_mps = std::max(changed_mps, change_mps);
+      changed = true;
       for (const Side* side : {&a, &b}) {
         if (!side->fixed) moved_in[side->body] = sweep;
       }
     }
-    if (changed_mps <= (sweep < k_fine_sweeps ? 0.0 : k_coarse * enough_mps)) break;
+    if (!changed) break;
   }
 }
 

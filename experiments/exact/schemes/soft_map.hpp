@@ -180,7 +180,8 @@ class SoftMap {
   std::size_t island_of(const Row& row, const Islands& islands) const;
   std::vector<Row*> in_order_of_pairs();
   void bounce(const Islands& islands, std::span<const State> states, std::vector<Motion>& motions);
-  void move_on(const Islands& islands, const std::vector<Motion>& motions);
+  void move_on(const Islands& islands, std::span<const Wrench> wrenches,
+               const std::vector<Motion>& motions);
   bool is_quiet(const Islands& islands, std::span<const Wrench> wrenches,
                 std::span<const State> states) const;
   void remember_impulses(bool quiet);

