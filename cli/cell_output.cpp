@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "adapters/seam/unit.hpp"
 #include "cli/json_number.hpp"
 
 namespace brickbench {
@@ -35,7 +36,7 @@ double largest_explained(const exact::CellResult& cell) {
 }
 
 void print_bracket(const exact::Bracket& bracket) {
-  const std::string unit = bracket.unit == "1" ? "" : ' ' + bracket.unit;
+  const std::string unit = unit_suffix(bracket.unit);
   if (bracket.found) {
     fmt::print("    {} between {:.6g} and {:.6g}{}, exact {:.6g}\n", bracket.parameter, bracket.low,
                bracket.high, unit, bracket.truth);

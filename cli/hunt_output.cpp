@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "adapters/seam/unit.hpp"
 #include "experiments/run/cell.hpp"
 
 namespace brickbench {
@@ -57,10 +58,10 @@ std::string findings_page(const hunt::Quarry& quarry, const hunt::Record& record
     const hunt::Breach& breach = finding.breach();
     const hunt::Trial& trial = finding.shrunk.trial;
     text += fmt::format(
-        "| `{}` | {} | {:.3g} {} | {:.3g} | {} | {}; {} steps of {:.4g} s | [plan]({}/{}.toml) |\n",
-        trial.engine.label(), finding.oracle, breach.observed, breach.unit, breach.allowed,
-        finding.seen, markdown_cell(trial_sketch(trial)), trial.steps, trial.step_s, link,
-        finding.id);
+        "| `{}` | {} | {:.3g}{} | {:.3g} | {} | {}; {} steps of {:.4g} s | [plan]({}/{}.toml) |\n",
+        trial.engine.label(), finding.oracle, breach.observed, unit_suffix(breach.unit),
+        breach.allowed, finding.seen, markdown_cell(trial_sketch(trial)), trial.steps, trial.step_s,
+        link, finding.id);
   }
   return text;
 }

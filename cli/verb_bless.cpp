@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "adapters/seam/unit.hpp"
 #include "cli/complain.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
@@ -36,11 +37,11 @@ Expected<std::size_t> bless_suite(const std::filesystem::path& from,
   const gate::BlessResult result = gate::bless(*reference, *obtained, blessing, {});
   for (const gate::Comparison& c : result.changed) {
     const std::string_view trend = gate::to_word(c.trend);
-    fmt::print("{} {} {} {}: {} -> {} {}{}\n", c.experiment, c.obtained.engine, c.obtained.axes,
+    fmt::print("{} {} {} {}: {} -> {}{}{}\n", c.experiment, c.obtained.engine, c.obtained.axes,
                c.obtained.metric.empty() ? "state hash" : c.obtained.metric,
                c.finding == gate::Finding::fresh ? "none" : fmt::format("{}", c.reference_value),
                c.finding == gate::Finding::fresh ? "new" : fmt::format("{}", c.obtained_value),
-               c.obtained.unit, trend.empty() ? "" : fmt::format(" ({})", trend));
+               unit_suffix(c.obtained.unit), trend.empty() ? "" : fmt::format(" ({})", trend));
   }
   std::error_code error;
   std::filesystem::create_directories(to, error);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "adapters/seam/unit.hpp"
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
 #include "cli/hunt_output.hpp"
@@ -170,9 +171,9 @@ int replay(const HuntChoice& choice, const Catalogues& catalogues) {
     fmt::print("{}\n  outcome {}{}{}\n", hunt::label(trial), verdict.outcome,
                verdict.reason.empty() ? "" : ": ", verdict.reason);
     for (const hunt::Breach& breach : verdict.breaches) {
-      fmt::print("  {}: observed {:.6g} {}, allowed {:.6g}, after step {} ({:.6g} s) {}\n",
-                 breach.oracle, breach.observed, breach.unit, breach.allowed, breach.step,
-                 breach.time_s, breach.bodies);
+      fmt::print("  {}: observed {:.6g}{}, allowed {:.6g}, after step {} ({:.6g} s) {}\n",
+                 breach.oracle, breach.observed, unit_suffix(breach.unit), breach.allowed,
+                 breach.step, breach.time_s, breach.bodies);
     }
     broken = broken || !verdict.breaches.empty();
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "adapters/seam/unit.hpp"
 #include "cli/build_facts.hpp"
 #include "cli/cases_json.hpp"
 #include "cli/terminal.hpp"
@@ -144,10 +145,11 @@ void print_parts(const Json& parts, const char* title) {
   for (const Json& part : parts) {
     std::string facts;
     if (part.contains("kind") && part["kind"] != "choice") {
-      facts = fmt::format(
-          " = {} {}, {} .. {}",
-          shortest(part["default"].is_number() ? part["default"].get<double>() : 0.0),
-          part["unit"].get<std::string>(), shortest(part["minimum"]), shortest(part["maximum"]));
+      facts =
+          fmt::format(" = {}{}, {} .. {}",
+                      shortest(part["default"].is_number() ? part["default"].get<double>() : 0.0),
+                      unit_suffix(part["unit"].get<std::string>()), shortest(part["minimum"]),
+                      shortest(part["maximum"]));
     } else if (part.contains("choices")) {
       facts = fmt::format(" = {}, one of {}", part["default"].get<std::string>(),
                           part["choices"].dump());

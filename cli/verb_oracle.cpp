@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "adapters/seam/unit.hpp"
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
 #include "cli/json_number.hpp"
@@ -105,8 +106,8 @@ void print_violation(const std::string& engine, const gate::Violation& v, bool m
   const std::string broken = fmt::format("{}/{}", v.steps, v.looked_at);
   if (form == Form::markdown) {
     const std::string law = most ? fmt::format("**{}**", v.law) : v.law;
-    fmt::print("| {} | {} | {:.3g} {} | {:.3g} | {} | {:.3f} | {} |\n", engine, law, v.worst,
-               v.unit, v.allowance, broken, v.worst_time_s, bodies);
+    fmt::print("| {} | {} | {:.3g}{} | {:.3g} | {} | {:.3f} | {} |\n", engine, law, v.worst,
+               unit_suffix(v.unit), v.allowance, broken, v.worst_time_s, bodies);
   } else {
     fmt::print("{:<22} {:<16} {:>10.3g} {:>10.3g} {:>10.3g} {:>4} {:>9} {:>8.3f}  {}{}\n", engine,
                v.law, v.worst, v.proven, v.allowance, v.unit, broken, v.worst_time_s, bodies,

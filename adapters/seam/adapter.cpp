@@ -8,6 +8,8 @@
 
 #include "adapters/seam/guard.hpp"
 
+#include "adapters/seam/unit.hpp"
+
 namespace brickbench {
 namespace {
 
@@ -28,7 +30,7 @@ bool contains(const Items& items, std::string_view name) {
 
 // "0.5 m", and "0.5" for pure numbers.
 std::string with_unit(double value, const std::string& unit) {
-  return unit == "1" || unit.empty() ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);
+  return fmt::format("{}{}", value, unit_suffix(unit));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "adapters/seam/unit.hpp"
 #include "experiments/run/cell.hpp"
 
 namespace brickbench::hunt {
@@ -52,9 +53,10 @@ std::string law_of(std::string_view oracle) {
 std::string seen_text(const Verdict& verdict) {
   std::string text;
   for (const Breach& breach : verdict.breaches) {
+    const std::string unit = unit_suffix(breach.unit);
     text += fmt::format(
-        "{}: {}. Expected at most {:.4g} {}, observed {:.4g} {}{}{}.\n", breach.oracle,
-        law_of(breach.oracle), breach.allowed, breach.unit, breach.observed, breach.unit,
+        "{}: {}. Expected at most {:.4g}{}, observed {:.4g}{}{}{}.\n", breach.oracle,
+        law_of(breach.oracle), breach.allowed, unit, breach.observed, unit,
         breach.step > 0 ? fmt::format(" after step {} ({:.4g} s)", breach.step, breach.time_s) : "",
         breach.bodies.empty() ? "" : ", bodies " + breach.bodies);
   }

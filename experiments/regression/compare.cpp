@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "adapters/seam/unit.hpp"
+
 namespace brickbench::gate {
 namespace {
 
@@ -55,10 +57,10 @@ void judge_bound(Comparison& c) {
   if (std::abs(c.difference) <= c.bound) return;
   c.finding = Finding::deviation;
   c.factor = c.bound > 0.0 ? std::abs(c.difference) / c.bound : HUGE_VAL;
+  const std::string unit = unit_suffix(c.reference.unit);
   c.message =
-      fmt::format("{} {} instead of {} {}: difference {:.3g}, bound {:.3g}, {:.3g} times over",
-                  c.obtained_value, c.reference.unit, c.reference_value, c.reference.unit,
-                  c.difference, c.bound, c.factor);
+      fmt::format("{}{} instead of {}{}: difference {:.3g}, bound {:.3g}, {:.3g} times over",
+                  c.obtained_value, unit, c.reference_value, unit, c.difference, c.bound, c.factor);
 }
 
 // Only the seeds that both sides have count, so that the starts are the same.
@@ -90,16 +92,16 @@ void judge_sample(Comparison& c, const ComparePlan& plan) {
   if (c.identical) {
     c.message = fmt::format("identical in {} starts", a.size());
   } else if (look.mean.equivalent) {
-    c.message =
-        fmt::format("same within {:.3g} {} ({} starts)", margin, c.reference.unit, a.size());
+    c.message = fmt::format("same within {:.3g}{} ({} starts)", margin,
+                            unit_suffix(c.reference.unit), a.size());
   } else {
     const std::size_t needed = look.mean.runs_needed;
     c.finding = Finding::open;
     c.message = fmt::format(
-        "no difference found in {} starts (p = {:.3g}), but not enough for 'same within {:.3g} "
+        "no difference found in {} starts (p = {:.3g}), but not enough for 'same within {:.3g}"
         "{}': "
         "{} more needed",
-        a.size(), c.p_value, margin, c.reference.unit,
+        a.size(), c.p_value, margin, unit_suffix(c.reference.unit),
         needed > a.size() ? needed - a.size() : std::size_t{1});
   }
 }
@@ -190,9 +192,10 @@ void control_family(std::vector<Comparison>& all, const ComparePlan& plan) {
     c.bound = level / static_cast<double>(tested.size());
     c.factor = c.bound / c.p_value;
     c.message = fmt::format(
-        "not the distribution of the reference: mean {:.6g} instead of {:.6g} {}, p = {:.2g} in a "
+        "not the distribution of the reference: mean {:.6g} instead of {:.6g}{}, p = {:.2g} in a "
         "family of {} tests",
-        c.obtained_value, c.reference_value, c.reference.unit, c.p_value, tested.size());
+        c.obtained_value, c.reference_value, unit_suffix(c.reference.unit), c.p_value,
+        tested.size());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "adapters/seam/unit.hpp"
 #include "experiments/scenarios/nearest_name.hpp"
 
 namespace brickbench {
@@ -39,11 +40,10 @@ Expected<void> check_number(const Scenario& scenario, const Parameter& parameter
   }
   const bool whole = parameter.kind != ParameterKind::number;
   if (!(*x >= parameter.minimum && *x <= parameter.maximum) || (whole && *x != std::round(*x))) {
-    return fail(
-        Fault::invalid,
-        fmt::format("{}: {} = {}{} must be {} in {} .. {}", scenario.name, parameter.name, *x,
-                    parameter.unit == "1" ? "" : " " + parameter.unit,
-                    whole ? "a whole number" : "a number", parameter.minimum, parameter.maximum));
+    return fail(Fault::invalid,
+                fmt::format("{}: {} = {}{} must be {} in {} .. {}", scenario.name, parameter.name,
+                            *x, unit_suffix(parameter.unit), whole ? "a whole number" : "a number",
+                            parameter.minimum, parameter.maximum));
   }
   return {};
 }

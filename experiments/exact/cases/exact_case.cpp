@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "adapters/seam/unit.hpp"
+
 namespace brickbench::exact {
 
 Parameter real(std::string name, std::string unit, double default_value, double minimum,
@@ -55,8 +57,8 @@ Expected<ParameterValues> complete(const ExactCase& exact_case, const ParameterV
     const double* number = std::get_if<double>(&value);
     if (number == nullptr || !(*number >= found->minimum && *number <= found->maximum)) {
       return fail(Fault::invalid,
-                  fmt::format("case {}: {} must be a number in {} .. {} {}", exact_case.id, name,
-                              found->minimum, found->maximum, found->unit));
+                  fmt::format("case {}: {} must be a number in {} .. {}{}", exact_case.id, name,
+                              found->minimum, found->maximum, unit_suffix(found->unit)));
     }
     values[name] = *number;
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "adapters/seam/shape.hpp"
+#include "adapters/seam/unit.hpp"
 
 namespace brickbench::exact {
 namespace {
@@ -55,7 +56,7 @@ void compare_settings(std::span<const AuditFact> live, std::span<const AuditFact
     if (found == live.end()) {
       out.push_back(fmt::format("setting '{}': the live engine does not show it", wanted.name));
     } else if (found->value != wanted.value) {
-      const std::string unit = found->unit == "1" ? "" : ' ' + found->unit;
+      const std::string unit = unit_suffix(found->unit);
       out.push_back(fmt::format("setting '{}': {}{} instead of {}{}", wanted.name, found->value,
                                 unit, wanted.value, unit));
     }
