@@ -4,8 +4,8 @@
 
 #include "adapters/catalog.hpp"
 #include "adapters/seam/unit.hpp"
-#include "experiments/exact/exact_case.hpp"
-#include "experiments/gate/compare.hpp"
+#include "experiments/exact/cases/exact_case.hpp"
+#include "experiments/regression/compare.hpp"
 #include "experiments/hunt/plan_text.hpp"
 #include "experiments/metrics/metric.hpp"
 #include "experiments/scenarios/scenario.hpp"
