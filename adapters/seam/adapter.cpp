@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "adapters/seam/guard.hpp"
-
 #include "adapters/seam/unit.hpp"
 
 namespace brickbench {

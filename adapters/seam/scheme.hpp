@@ -105,7 +105,9 @@ struct CompliantContact {
 // not approach, what leaves faster has no impulse, and friction on a manifold's middle stops what
 // slides or is as large as it may be. A manifold that bounced keeps no impulses. From the last blow
 // on such bodies go on with the velocities at the end, unless that brings one of the island deeper
-// into another, or lifts an island that something fixed is in though nothing bounces. A body that
+// into another (gaps count as linear in the motion: not where a point strays further from its
+// tangent than too_deep_share says), or lifts an island that something fixed is in though nothing
+// bounces. A body that
 // was pushed turns as in free flight from its mean spin. An island with more kinetic energy than it
 // had and gravity and loads added gives up bounce: its contacts are solved without any as well, and
 // as much of the first answer is taken as the energy allows; if that is not enough and nothing is

@@ -247,7 +247,8 @@ void FastDynamics::move_on() {
 }
 
 // Islands that would meet on that way what they did not meet in the trial stay where it left them,
-// and so do those on the ground that would be lifted though nothing bounces.
+// those that turn so far that a gap is no longer linear in the motion, and those on the ground that
+// would be lifted though nothing bounces.
 void FastDynamics::move_back_what_meets(std::span<const SoftVector> trial) {
   std::vector<char> meets(bodies_.size(), 0);
   for (const Slot& slot : slots_) {
@@ -258,6 +259,11 @@ void FastDynamics::move_back_what_meets(std::span<const SoftVector> trial) {
       if (opened_m(m, p, moved_) >= opened_m(m, p, trial)) continue;
       for (const int body : {m.body_a, m.body_b}) meets[at(island_[at(body)])] = 1;
     }
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const double bent_m = 0.5 * radius_m_[i] * angular_part(moved_[i]).squaredNorm();
+    if (bent_m <= look_tolerance_m(static_cast<int>(i), static_cast<int>(i))) continue;
+    meets[at(island_[i])] = 1;
   }
   std::vector<double> gained_j(bodies_.size(), 0.0);  // by gravity and loads, beyond the trial
   for (std::size_t i = 0; i < bodies_.size(); ++i) {

@@ -5,9 +5,9 @@
 #include "adapters/catalog.hpp"
 #include "adapters/seam/unit.hpp"
 #include "experiments/exact/cases/exact_case.hpp"
-#include "experiments/regression/compare.hpp"
 #include "experiments/hunt/plan_text.hpp"
 #include "experiments/metrics/metric.hpp"
+#include "experiments/regression/compare.hpp"
 #include "experiments/scenarios/scenario.hpp"
 
 namespace brickbench::testing {

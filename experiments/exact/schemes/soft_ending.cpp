@@ -112,6 +112,11 @@ void SoftMap::move_on(const Islands& islands, std::span<const Wrench> wrenches,
       meets[islands.of[row.a.body]] = meets[islands.of[row.b.body]] = true;
     }
   }
+  for (std::size_t i = 0; i < moved_.size(); ++i) {
+    const double turn_rad = moved_[i].angular.cast<double>().norm();
+    const double bent_m = 0.5 * bounding_radius_m(run_.world.bodies[i].shape) * turn_rad * turn_rad;
+    if (bent_m > too_deep_m(i, i)) meets[islands.of[i]] = true;
+  }
   std::vector<double> gained_j(moved_.size(), 0.0);
   for (std::size_t i = 0; i < moved_.size(); ++i) {
     const Body& body = run_.world.bodies[i];
