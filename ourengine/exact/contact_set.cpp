@@ -103,17 +103,18 @@ void ContactSet::update(std::span<const Motion> motions, std::span<const double>
 
   const auto pairs = broad_phase_.pairs();
   manifolds_.resize(pairs.size());
-  workers.for_ranges(pairs.size(), k_pairs_at_once, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const auto i = static_cast<std::size_t>(pairs[p].first);
-      const auto j = static_cast<std::size_t>(pairs[p].second);
-      manifolds_[p].count = 0;
-      if (!boxes_[i].overlaps(boxes_[j])) continue;
-      const double approach_m = reach_m[i] + reach_m[j];
-      manifolds_[p] = collide_within_step(bodies_[i], motions[i], bodies_[j], motions[j], step_s,
-                                          approach_m, margin_m_ + approach_m);
-    }
-  });
+  workers.for_ranges(
+      pairs.size(), k_pairs_at_once, [&](std::size_t begin, std::size_t end) noexcept {
+        for (std::size_t p = begin; p < end; ++p) {
+          const auto i = static_cast<std::size_t>(pairs[p].first);
+          const auto j = static_cast<std::size_t>(pairs[p].second);
+          manifolds_[p].count = 0;
+          if (!boxes_[i].overlaps(boxes_[j])) continue;
+          const double approach_m = reach_m[i] + reach_m[j];
+          manifolds_[p] = collide_within_step(bodies_[i], motions[i], bodies_[j], motions[j],
+                                              step_s, approach_m, margin_m_ + approach_m);
+        }
+      });
   std::size_t old = 0;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const BodyPair& pair = pairs[p];

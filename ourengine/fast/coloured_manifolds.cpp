@@ -114,20 +114,21 @@ void FastDynamics::place_slots(std::span<const int> sizes) {
 
 void FastDynamics::fill_batches() {
   const SoftBatch empty = empty_batch(bodies_.size());
-  pool_.for_ranges(batches_.size(), k_batches_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      SoftBatch& batch = batches_[k];
-      const auto lanes = std::span(lane_slot_).subspan(k_lanes * k, k_lanes);
-      if (lanes.back() < 0) batch = empty;  // lanes are taken from the front
-      batch.points = 0;
-      batch.struck = false;
-      batch.lanes = static_cast<int>(std::ranges::find(lanes, -1) - lanes.begin());
-      for (std::size_t i = 0; i < lanes.size() && lanes[i] >= 0; ++i) {
-        fill(batch, i, solved_manifold(at(slots_[at(lanes[i])].manifold)));
-      }
-    }
-    soft_prepare(std::span(batches_).subspan(begin, end - begin), inertia_);
-  });
+  pool_.for_ranges(batches_.size(), k_batches_per_piece,
+                   [&](std::size_t begin, std::size_t end) noexcept {
+                     for (std::size_t k = begin; k < end; ++k) {
+                       SoftBatch& batch = batches_[k];
+                       const auto lanes = std::span(lane_slot_).subspan(k_lanes * k, k_lanes);
+                       if (lanes.back() < 0) batch = empty;  // lanes are taken from the front
+                       batch.points = 0;
+                       batch.struck = false;
+                       batch.lanes = static_cast<int>(std::ranges::find(lanes, -1) - lanes.begin());
+                       for (std::size_t i = 0; i < lanes.size() && lanes[i] >= 0; ++i) {
+                         fill(batch, i, solved_manifold(at(slots_[at(lanes[i])].manifold)));
+                       }
+                     }
+                     soft_prepare(std::span(batches_).subspan(begin, end - begin), inertia_);
+                   });
 }
 
 // What identifies the contact; soft_prepare() makes the rest of it.
@@ -180,23 +181,24 @@ void FastDynamics::fill(SoftBatch& batch, std::size_t i, const SoftManifold& man
 // the same mark, so that the order does not matter.
 void FastDynamics::mark_touched() {
   std::ranges::fill(touched_, 0);
-  pool_.for_ranges(slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
-      const SoftBatch& batch = batches_[at(slot.batch)];
-      const std::size_t i = at(slot.lane);
-      const SoftManifold& manifold = solved_manifold(at(slot.manifold));
-      slot.pushed = false;
-      slot.deepest_m = 0.0F;
-      for (const SoftPoint& point : std::span(batch.point).first(at(manifold.count))) {
-        slot.deepest_m = std::max(slot.deepest_m, -point.gap_now[i]);
-        slot.pushed = slot.pushed || point.max_impulse[i] > 0.0F;
-      }
-      if (!slot.pushed) continue;
-      for (const int body : {manifold.body_a, manifold.body_b}) {
-        std::atomic_ref(touched_[at(body)]).store(1, std::memory_order_relaxed);
-      }
-    }
-  });
+  pool_.for_ranges(
+      slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) noexcept {
+        for (Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
+          const SoftBatch& batch = batches_[at(slot.batch)];
+          const std::size_t i = at(slot.lane);
+          const SoftManifold& manifold = solved_manifold(at(slot.manifold));
+          slot.pushed = false;
+          slot.deepest_m = 0.0F;
+          for (const SoftPoint& point : std::span(batch.point).first(at(manifold.count))) {
+            slot.deepest_m = std::max(slot.deepest_m, -point.gap_now[i]);
+            slot.pushed = slot.pushed || point.max_impulse[i] > 0.0F;
+          }
+          if (!slot.pushed) continue;
+          for (const int body : {manifold.body_a, manifold.body_b}) {
+            std::atomic_ref(touched_[at(body)]).store(1, std::memory_order_relaxed);
+          }
+        }
+      });
 }
 
 // Size of the loads on both bodies, torques with the lever of the body's radius.
@@ -227,23 +229,24 @@ void FastDynamics::forget_ended_loads() {
 // apply.
 void FastDynamics::keep_impulses() {
   const float scale = 1.0F / impulse_share_;
-  pool_.for_ranges(slots_.size(), k_slots_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (const Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
-      const SoftBatch& batch = batches_[at(slot.batch)];
-      const std::size_t i = at(slot.lane);
-      SoftManifold& manifold = solved_manifold(at(slot.manifold));
-      for (std::size_t p = 0; p < at(manifold.count); ++p) {
-        manifold.impulse[p] = scale * batch.point[p].impulse[i];
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
-            scale * (batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
-                     batch.friction_impulse[1][i] * batch.tangent[1][k][i]);
-      }
-      manifold.twist_impulse = scale * batch.twist_impulse[i];
-      manifold.load_n = load_n(manifold);
-    }
-  });
+  pool_.for_ranges(slots_.size(), k_slots_per_piece,
+                   [&](std::size_t begin, std::size_t end) noexcept {
+                     for (const Slot& slot : std::span(slots_).subspan(begin, end - begin)) {
+                       const SoftBatch& batch = batches_[at(slot.batch)];
+                       const std::size_t i = at(slot.lane);
+                       SoftManifold& manifold = solved_manifold(at(slot.manifold));
+                       for (std::size_t p = 0; p < at(manifold.count); ++p) {
+                         manifold.impulse[p] = scale * batch.point[p].impulse[i];
+                       }
+                       for (std::size_t k = 0; k < 3; ++k) {
+                         manifold.friction_impulse[static_cast<Eigen::Index>(k)] =
+                             scale * (batch.friction_impulse[0][i] * batch.tangent[0][k][i] +
+                                      batch.friction_impulse[1][i] * batch.tangent[1][k][i]);
+                       }
+                       manifold.twist_impulse = scale * batch.twist_impulse[i];
+                       manifold.load_n = load_n(manifold);
+                     }
+                   });
 }
 
 std::vector<SoftContact> FastDynamics::contacts() const {

@@ -180,35 +180,36 @@ void FastDynamics::try_step() {
 
 // What of a body stays as it is during the step.
 void FastDynamics::pose_bodies() {
-  pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (bodies_[i].fixed) continue;
-      const Eigen::Matrix3d r = motions_[i].attitude.toRotationMatrix();
-      const Eigen::Vector3d inverse = bodies_[i].inertia_kgm2.cwiseInverse();
-      const Eigen::Matrix3d inertia = r * inverse.asDiagonal() * r.transpose();
-      const auto entry = [&](int row, int column) {
-        return static_cast<float>(inertia(row, column));
-      };
-      inertia_[i] = {entry(0, 0),
-                     entry(0, 1),
-                     entry(0, 2),
-                     entry(1, 1),
-                     entry(1, 2),
-                     entry(2, 2),
-                     static_cast<float>(1.0 / bodies_[i].mass_kg),
-                     0.0F};
-      spin_radps_[i] =
-          r * inverse.cwiseProduct(r.transpose() * motions_[i].angular_momentum_kgm2ps);
-      double speed_mps = motions_[i].velocity_mps.norm();
-      double spin_radps = spin_radps_[i].norm();
-      // What loads add counts, what gravity adds does not: it adds the same to all.
-      if (!loads_[i].force_n.isZero(0.0) || !loads_[i].torque_nm.isZero(0.0)) {
-        speed_mps += step_s_ * loads_[i].force_n.norm() / bodies_[i].mass_kg;
-        spin_radps += step_s_ * loads_[i].torque_nm.norm() * inverse.maxCoeff();
-      }
-      poses_[i] = {r, step_s_ * (speed_mps + spin_radps * radius_m_[i])};
-    }
-  });
+  pool_.for_ranges(
+      bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) noexcept {
+        for (std::size_t i = begin; i < end; ++i) {
+          if (bodies_[i].fixed) continue;
+          const Eigen::Matrix3d r = motions_[i].attitude.toRotationMatrix();
+          const Eigen::Vector3d inverse = bodies_[i].inertia_kgm2.cwiseInverse();
+          const Eigen::Matrix3d inertia = r * inverse.asDiagonal() * r.transpose();
+          const auto entry = [&](int row, int column) {
+            return static_cast<float>(inertia(row, column));
+          };
+          inertia_[i] = {entry(0, 0),
+                         entry(0, 1),
+                         entry(0, 2),
+                         entry(1, 1),
+                         entry(1, 2),
+                         entry(2, 2),
+                         static_cast<float>(1.0 / bodies_[i].mass_kg),
+                         0.0F};
+          spin_radps_[i] =
+              r * inverse.cwiseProduct(r.transpose() * motions_[i].angular_momentum_kgm2ps);
+          double speed_mps = motions_[i].velocity_mps.norm();
+          double spin_radps = spin_radps_[i].norm();
+          // What loads add counts, what gravity adds does not: it adds the same to all.
+          if (!loads_[i].force_n.isZero(0.0) || !loads_[i].torque_nm.isZero(0.0)) {
+            speed_mps += step_s_ * loads_[i].force_n.norm() / bodies_[i].mass_kg;
+            spin_radps += step_s_ * loads_[i].torque_nm.norm() * inverse.maxCoeff();
+          }
+          poses_[i] = {r, step_s_ * (speed_mps + spin_radps * radius_m_[i])};
+        }
+      });
 }
 
 // Whoever is struck later still than the last pass knows is found where the trial ends.
@@ -254,9 +255,10 @@ void FastDynamics::warm_start() {
   std::ranges::fill(contact_change_, SoftVector{});
   for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
     const std::span<SoftBatch> batches = colour(c);
-    pool_.for_ranges(batches.size(), k_batches_per_piece, [&](std::size_t begin, std::size_t end) {
-      soft_push(batches.subspan(begin, end - begin), contact_change_);
-    });
+    pool_.for_ranges(batches.size(), k_batches_per_piece,
+                     [&](std::size_t begin, std::size_t end) noexcept {
+                       soft_push(batches.subspan(begin, end - begin), contact_change_);
+                     });
   }
 }
 
@@ -273,7 +275,7 @@ void FastDynamics::sweep(const SoftStep& step, bool biased, bool forwards) {
     // Two pieces per thread: fewer meetings of the threads than with the smallest pieces.
     const std::size_t piece = std::max(
         k_batches_per_piece, batches.size() / (2 * static_cast<std::size_t>(pool_.threads())) + 1);
-    pool_.for_ranges(batches.size(), piece, [&](std::size_t begin, std::size_t end) {
+    pool_.for_ranges(batches.size(), piece, [&](std::size_t begin, std::size_t end) noexcept {
       soft_sweep(batches.subspan(begin, end - begin), step, biased, velocity_, moved_);
     });
   }
@@ -282,9 +284,10 @@ void FastDynamics::sweep(const SoftStep& step, bool biased, bool forwards) {
 void FastDynamics::drop_blows() {
   for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
     const std::span<SoftBatch> batches = colour(c);
-    pool_.for_ranges(batches.size(), k_batches_per_piece, [&](std::size_t begin, std::size_t end) {
-      soft_drop_blows(batches.subspan(begin, end - begin), free_velocity_);
-    });
+    pool_.for_ranges(batches.size(), k_batches_per_piece,
+                     [&](std::size_t begin, std::size_t end) noexcept {
+                       soft_drop_blows(batches.subspan(begin, end - begin), free_velocity_);
+                     });
   }
 }
 
@@ -305,9 +308,10 @@ void FastDynamics::run_substeps() {
   const bool blows = std::ranges::any_of(batches_, &SoftBatch::struck);
   after_blow_s_ = 0.0;
   const auto for_bodies = [&](auto work) {
-    pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) work(i);
-    });
+    pool_.for_ranges(bodies_.size(), k_bodies_per_piece,
+                     [&](std::size_t begin, std::size_t end) noexcept {
+                       for (std::size_t i = begin; i < end; ++i) work(i);
+                     });
   };
   for_bodies([&](std::size_t i) {
     moved_[i] = {};

@@ -166,9 +166,11 @@ SoftManifold FastDynamics::late_manifold(const BodyPair& pair, const Manifold& e
 
 void FastDynamics::find_ends() {
   ends_.resize(bodies_.size());
-  pool_.for_ranges(bodies_.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) ends_[i] = bodies_[i].fixed ? motions_[i] : end_of(i);
-  });
+  pool_.for_ranges(bodies_.size(), k_bodies_per_piece,
+                   [&](std::size_t begin, std::size_t end) noexcept {
+                     for (std::size_t i = begin; i < end; ++i)
+                       ends_[i] = bodies_[i].fixed ? motions_[i] : end_of(i);
+                   });
 }
 
 // Of a spin (rad/s) at the attitude of the start.

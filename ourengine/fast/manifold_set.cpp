@@ -120,21 +120,22 @@ void ManifoldSet::restore(const History& history) {
 
 void ManifoldSet::bound_bodies(std::span<const Motion> motions, std::span<const BodyPose> poses,
                                WorkerPool& pool) {
-  pool.for_ranges(motions.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const double margin_m = 0.5 * margin_m_ + poses[i].reach_m;
-      const auto bound = [&] { return bounds(bodies_[i].geometry, motions[i], margin_m); };
-      boxes_[i] = by_kind(
-          bodies_[i].geometry,
-          [&](const BoxGeometry& box) -> Aabb {
-            const Eigen::Vector3d reach =
-                poses[i].axes.cwiseAbs() * box.half_m + Eigen::Vector3d::Constant(margin_m);
-            return {motions[i].position_m - reach, motions[i].position_m + reach};
-          },
-          [&](const SphereGeometry&) { return bound(); },
-          [&](const PlaneGeometry&) { return bound(); });
-    }
-  });
+  pool.for_ranges(
+      motions.size(), k_bodies_per_piece, [&](std::size_t begin, std::size_t end) noexcept {
+        for (std::size_t i = begin; i < end; ++i) {
+          const double margin_m = 0.5 * margin_m_ + poses[i].reach_m;
+          const auto bound = [&] { return bounds(bodies_[i].geometry, motions[i], margin_m); };
+          boxes_[i] = by_kind(
+              bodies_[i].geometry,
+              [&](const BoxGeometry& box) -> Aabb {
+                const Eigen::Vector3d reach =
+                    poses[i].axes.cwiseAbs() * box.half_m + Eigen::Vector3d::Constant(margin_m);
+                return {motions[i].position_m - reach, motions[i].position_m + reach};
+              },
+              [&](const SphereGeometry&) { return bound(); },
+              [&](const PlaneGeometry&) { return bound(); });
+        }
+      });
 }
 
 // Pairs whose boxes overlap, each with its manifold of the last update.
@@ -222,27 +223,28 @@ void ManifoldSet::update(std::span<const Motion> motions, std::span<const BodyPo
   }
   const std::vector<SoftManifold>& known = in_place ? next_ : manifolds_;
   std::atomic<int> made = 0;  // a count: the order of its sum does not matter
-  pool.for_ranges(jobs_.size(), k_pairs_per_piece, [&](std::size_t begin, std::size_t end) {
-    int fresh = 0;
-    for (std::size_t k = begin; k < end; ++k) {
-      const Job& job = jobs_[k];
-      const std::size_t a = at(job.pair.first);
-      const std::size_t b = at(job.pair.second);
-      const double margin_m = margin_m_ + poses[a].reach_m + poses[b].reach_m;
-      if (job.old >= 0 && may_recycle(known[at(job.old)], motions, margin_m)) {
-        if (!in_place) next_[k] = known[at(job.old)];
-        move_along(next_[k], motions, poses);
-        continue;
-      }
-      ++fresh;
-      SoftManifold fresh_one = make(job.pair, motions, poses, step_s);
-      if (job.old >= 0) {
-        inherit(known[at(job.old)], fresh_one, std::min(thickness_m_[a], thickness_m_[b]));
-      }
-      next_[k] = fresh_one;
-    }
-    made.fetch_add(fresh, std::memory_order_relaxed);
-  });
+  pool.for_ranges(
+      jobs_.size(), k_pairs_per_piece, [&](std::size_t begin, std::size_t end) noexcept {
+        int fresh = 0;
+        for (std::size_t k = begin; k < end; ++k) {
+          const Job& job = jobs_[k];
+          const std::size_t a = at(job.pair.first);
+          const std::size_t b = at(job.pair.second);
+          const double margin_m = margin_m_ + poses[a].reach_m + poses[b].reach_m;
+          if (job.old >= 0 && may_recycle(known[at(job.old)], motions, margin_m)) {
+            if (!in_place) next_[k] = known[at(job.old)];
+            move_along(next_[k], motions, poses);
+            continue;
+          }
+          ++fresh;
+          SoftManifold fresh_one = make(job.pair, motions, poses, step_s);
+          if (job.old >= 0) {
+            inherit(known[at(job.old)], fresh_one, std::min(thickness_m_[a], thickness_m_[b]));
+          }
+          next_[k] = fresh_one;
+        }
+        made.fetch_add(fresh, std::memory_order_relaxed);
+      });
   made_ = made.load(std::memory_order_relaxed);
   manifolds_.swap(next_);
 }

@@ -59,7 +59,7 @@ void BlockCholesky::for_subtrees(Work&& work) const {
   };
   if (workers_ == nullptr || subtrees.empty()) return serve(0);
   workers_->for_ranges(static_cast<std::size_t>(threads()), 1,
-                       [&](std::size_t begin, std::size_t) { serve(begin); });
+                       [&](std::size_t begin, std::size_t) noexcept { serve(begin); });
 }
 
 }  // namespace ourengine

@@ -25,9 +25,10 @@ class WorkerPool {
   int threads() const { return static_cast<int>(workers_.size()) + 1; }
 
   // Calls work(begin, end) for pieces that cover 0 .. count once, each of `grain` or fewer; returns
-  // when all are done. A loop of one piece runs in place. work must not throw and must not use the
-  // pool. Calls come from one thread at a time.
+  // when all are done. A loop of one piece runs in place. Work is noexcept, for nobody could catch
+  // what it threw, and must not use the pool. Calls come from one thread at a time.
   template <typename Work>
+  requires std::is_nothrow_invocable_v<Work&, std::size_t, std::size_t>
   void for_ranges(std::size_t count, std::size_t grain, Work&& work) {
     if (workers_.empty() || count <= grain) {
       if (count > 0) work(std::size_t{0}, count);
