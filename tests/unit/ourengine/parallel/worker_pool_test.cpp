@@ -12,7 +12,9 @@ namespace ourengine {
 namespace {
 
 template <typename Work>
-constexpr bool k_takes = requires(WorkerPool& pool, Work& work) { pool.for_ranges(1, 1, work); };
+constexpr bool k_takes = requires(WorkerPool& pool, Work& work) {
+  pool.for_ranges(1, 1, work);
+};
 
 TEST(WorkerPool, RefusesTasksThatMayThrow) {
   const auto quiet = [](std::size_t, std::size_t) noexcept {};
@@ -34,7 +36,8 @@ TEST(WorkerPool, CoversEachIndexOnceInPiecesOfAtMostTheGrain) {
           for (std::size_t i = begin; i < end; ++i) ++seen[i];
         });
         EXPECT_FALSE(too_long) << threads << ' ' << count << ' ' << grain;
-        for (const auto& times : seen) ASSERT_EQ(times, 1) << threads << ' ' << count << ' ' << grain;
+        for (const auto& times : seen)
+          ASSERT_EQ(times, 1) << threads << ' ' << count << ' ' << grain;
       }
     }
   }
@@ -55,9 +58,8 @@ TEST(WorkerPool, ShortLoopsThatFollowEachOtherDoNotMix) {
 TEST(WorkerPool, OneThreadRunsInPlace) {
   WorkerPool pool(1);
   std::set<std::thread::id> ran;
-  pool.for_ranges(100, 3, [&](std::size_t, std::size_t) noexcept {
-    ran.insert(std::this_thread::get_id());
-  });
+  pool.for_ranges(
+      100, 3, [&](std::size_t, std::size_t) noexcept { ran.insert(std::this_thread::get_id()); });
   EXPECT_EQ(ran, std::set<std::thread::id>{std::this_thread::get_id()});
 }
 
