@@ -61,9 +61,7 @@ bool FastDynamics::limit_energies() {
     if (touched_[i] == 0 || bodies_[i].fixed || exceeds[root] == 0) continue;
     if (grounded_[root] == 0) afloat[root].push_back(static_cast<int>(i));
     const Eigen::Vector3d force_n = bodies_[i].mass_kg * options_.gravity_mps2 + loads_[i].force_n;
-    const Eigen::Vector3d free_m =
-        step_s_ * (motions_[i].velocity_mps + 0.5 * step_s_ / bodies_[i].mass_kg * force_n);
-    room_j[root] += force_n.dot(free_m - linear_part(moved_[i]));
+    room_j[root] += force_n.norm() * (poses_[i].reach_m + linear_part(moved_[i]).norm());
   }
   bool held = true;
   for (std::size_t root = 0; root < bodies_.size(); ++root) {
@@ -71,7 +69,7 @@ bool FastDynamics::limit_energies() {
     const double before_j = sum[root].kinetic_j;
     double left_j = before_j - std::max(sum[root].allowed_j, 0.0);
     if (grounded_[root] == 0) left_j = limit_island(afloat[root], sum[root].allowed_j);
-    if (grounded_[root] != 0) left_j -= std::max(0.0, room_j[root]);
+    if (grounded_[root] != 0) left_j -= room_j[root];
     held = held && left_j <= FastLimits::k_energy_share * before_j;
   }
   return held;

@@ -333,16 +333,14 @@ bool SoftMap::limit_energy(const Islands& islands, std::span<const Wrench> wrenc
       if (islands.of[i] != root || !islands.touched[i] || body.fixed) continue;
       members.push_back(i);
       const Vector3d force = body.mass_kg * run_.world.gravity_mps2 + wrenches[i].force_n;
-      const double h = run_.step_s;
-      room_j += force.dot(h * starts[i].velocity_mps + 0.5 * h * h / body.mass_kg * force -
-                          moved_[i].linear.cast<double>());
+      room_j += force.norm() *
+                (reach_m(i, starts[i], wrenches[i]) + moved_[i].linear.cast<double>().norm());
     }
     if (!islands.grounded[root]) {
       slow_down(members, allowed[root], ends);
       room_j = 0.0;
     }
-    const double left_j =
-        kinetic_j(islands, ends)[root] - std::max(allowed[root], 0.0) - std::max(0.0, room_j);
+    const double left_j = kinetic_j(islands, ends)[root] - std::max(allowed[root], 0.0) - room_j;
     held = held && left_j <= soft_.energy_share * now[root];
   }
   return held;
