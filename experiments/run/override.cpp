@@ -176,7 +176,6 @@ InputValue engine_list(const std::vector<std::string>& selectors) {
 void override_values(InputValue& plan, const Overrides& overrides, const Catalogues& catalogues) {
   InputValue* experiments = find_mutable(plan, "experiment");
   if (experiments == nullptr || experiments->kind != ValueKind::array) return;
-  if (!overrides.only.empty()) keep_only(*experiments, overrides.only);
   if (!overrides.engines.empty()) {
     Entry entry;
     entry.name = "engines";
@@ -184,8 +183,15 @@ void override_values(InputValue& plan, const Overrides& overrides, const Catalog
     entry.value = engine_list(overrides.engines);
     for (InputValue& experiment : experiments->items) put(experiment, entry);
   }
+  // A setting of an experiment that is left out is right or wrong all the same, and acts on
+  // nothing.
+  InputValue all = *experiments;
+  if (!overrides.only.empty()) keep_only(*experiments, overrides.only);
   for (const std::string& text : overrides.set) {
-    apply_everywhere(*experiments, parse_setting(text), catalogues);
+    const Setting setting = parse_setting(text);
+    const bool is_of_others = !overrides.only.empty() && !setting.experiment.empty() &&
+                              setting.experiment != overrides.only;
+    apply_everywhere(is_of_others ? all : *experiments, setting, catalogues);
   }
 }
 

@@ -357,5 +357,23 @@ TEST(Plan, EngineOptionReplacesThePlans) {
   EXPECT_FALSE(cells_of(with(""), {.set = {}, .engines = {}, .only = "fal"}).has_value());
 }
 
+// A printed command brings all settings along and names the one experiment that it is about.
+TEST(Plan, ASettingOfAnExperimentThatIsLeftOutIsReadAndDoesNothing) {
+  const std::string two = with("") +
+                          "\n[[experiment]]\nname = \"other\"\nscenario = \"fall\"\nengines = "
+                          "[\"good\"]\nstep_s = 0.01\n";
+  const auto axes_with = [&](const std::vector<std::string>& set) {
+    const auto cells = cells_of(two, {.set = set, .engines = {"good"}, .only = "fall"});
+    return cells ? cells->front().axes : cells.error().text();
+  };
+  const std::string plain = axes_with({});
+  EXPECT_EQ(axes_with({"other.balls=3"}), plain);
+  EXPECT_EQ(axes_with({"other.knob.iterations=7"}), plain);
+  EXPECT_NE(axes_with({"balls=3"}), plain);
+  EXPECT_NE(axes_with({"other.mass_kg=2", "fall.balls=3"}), plain);
+  EXPECT_NE(axes_with({"other.ball=3"}).find("no experiment has 'ball'"), std::string::npos);
+  EXPECT_NE(axes_with({"othr.balls=3"}).find("no experiment 'othr'"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace brickbench::testing
