@@ -30,6 +30,8 @@ const seek = (page, t) => page.evaluate(async (time) => {
   const { stage } = await window.brickbench.ready;
   window.brickbench.clock.seek(time);
   stage.draw();
+  // Plots follow in a later frame, however slow the machine is.
+  for (let frame = 0; frame < 2; ++frame) await new Promise(requestAnimationFrame);
 }, t);
 
 // The picture of the stage as bytes.
