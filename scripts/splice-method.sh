@@ -25,7 +25,7 @@ thresholds=$(
     $1 ~ /^[a-z_]+\.[a-z0-9_]+$/ && $2 ~ "/" { id = $1; engine = $2; if ($3 == "refused") print id "\t" engine "\trefused" }
     $2 == "between" {
       exact = $0; sub(/.*exact /, "", exact)
-      low = $3; high = $5
+      low = $3; high = $5; sub(/,$/, "", high)
       print id " (" $1 ")\texact\t" exact
       print id " (" $1 ")\t" engine "\t" low " .. " high
     }' | pivot case
