@@ -43,6 +43,7 @@ std::optional<PlannedWork> planned_work(const PlanChoice& choice,
   work.cells = std::move(*cells);
   work.provenance = provenance_of(work.plan, work.catalogues);
   work.provenance.command = shell_command(arguments);
+  work.provenance.set = choice.overrides.set;
   work.provenance.date_utc = now_utc();
   return work;
 }

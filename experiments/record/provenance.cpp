@@ -92,6 +92,7 @@ nlohmann::ordered_json to_json(const Provenance& provenance) {
           {"command", provenance.command},
           {"date_utc", provenance.date_utc},
           {"plan", provenance.plan},
+          {"set", provenance.set},
           {"title", provenance.title},
           {"analysis", provenance.analysis},
           {"machine", to_json(provenance.machine)},
@@ -106,6 +107,7 @@ Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json) {
     result.command = json.at("command");
     result.date_utc = json.at("date_utc");
     result.plan = json.at("plan");
+    result.set = json.value("set", std::vector<std::string>());
     result.title = json.at("title");
     result.analysis = json.at("analysis");
     const auto& machine = json.at("machine");

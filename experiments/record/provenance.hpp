@@ -74,6 +74,7 @@ struct Provenance {
   std::vector<EngineRecord> engines;
   std::vector<MetricRecord> metrics;
   std::vector<MethodRecord> methods = {};  // of the cells that were run, each once
+  std::vector<std::string> set = {};       // what the command set beside the plan: "key=value"
 };
 
 nlohmann::ordered_json to_json(const Machine& machine);

@@ -161,7 +161,7 @@ std::string html_losses(const ReportSource& source, const std::vector<Block>& bl
 std::string cell_row(const Row& row, const std::string& why, const ReportSource& source,
                      const SceneNames& names) {
   const std::string repeat =
-      row.outcome == "excluded" ? "" : reproduce_command(row, source.provenance.plan);
+      row.outcome == "excluded" ? "" : reproduce_command(row, source.provenance);
   return fmt::format(
       "<tr><th scope=\"row\">{}</th><td class=\"text\">{}</td><td class=\"text\">{}</td>"
       "<td class=\"text\">{}</td></tr>\n",

@@ -94,8 +94,7 @@ std::string unfinished(const ReportInput& input) {
          {std::to_string(row.seed)},
          {row.outcome},
          {row.reason},
-         {row.outcome == "excluded" ? ""
-                                    : '`' + reproduce_command(row, input.provenance->plan) + '`'}});
+         {row.outcome == "excluded" ? "" : '`' + reproduce_command(row, *input.provenance) + '`'}});
   }
   if (table.rows.empty()) return "";
   return "## Cells without numbers\n\n" + to_markdown(table) + '\n';
@@ -110,7 +109,7 @@ std::string flagged_table(const ReportInput& input) {
                           {shortest(row->step_s)},
                           {std::to_string(row->seed)},
                           {"! " + row->validity},
-                          {'`' + reproduce_command(*row, input.provenance->plan) + '`'}});
+                          {'`' + reproduce_command(*row, *input.provenance) + '`'}});
   }
   if (table.rows.empty()) return "";
   return "## Cells whose numbers do not count\n\n" + to_markdown(table) + '\n';
@@ -212,14 +211,17 @@ std::string glossary(const ReportInput& input) {
 
 }  // namespace
 
-std::string reproduce_command(const Row& row, const std::string& plan_file) {
+std::string reproduce_command(const Row& row, const Provenance& provenance) {
   std::vector<std::string> words = {"brickbench",
                                     "run",
-                                    plan_file,
+                                    provenance.plan,
                                     "--only",
                                     row.experiment,
                                     "--engine",
                                     row.engine + '/' + row.variant};
+  for (const std::string& setting : provenance.set) {
+    words.insert(words.end(), {"--set", setting});
+  }
   const auto set = [&](const std::string& setting) {
     words.insert(words.end(), {"--set", row.experiment + '.' + setting});
   };

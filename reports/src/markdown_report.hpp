@@ -21,7 +21,8 @@ struct ReportInput {
 // to repeat it, then a table per scene and metric group with the worst named.
 std::string markdown_report(const ReportInput& input);
 
-// The shell command that repeats the cell of this row alone.
-std::string reproduce_command(const Row& row, const std::string& plan_file);
+// The shell command that repeats the cell of this row alone: what was set beside the plan, then
+// what tells the cell from the others.
+std::string reproduce_command(const Row& row, const Provenance& provenance);
 
 }  // namespace brickbench

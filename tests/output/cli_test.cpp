@@ -146,7 +146,7 @@ TEST_F(Program, APlanFromAPipeRunsAndItsCellsAreRepeatedFromTheCopy) {
   const auto results = read_results(folder_ / "piped");
   ASSERT_TRUE(results.has_value()) << results.error().reason;
   EXPECT_EQ(results->provenance.plan, path("piped/plan.toml"));
-  const std::string again = reproduce_command(results->rows.front(), results->provenance.plan);
+  const std::string again = reproduce_command(results->rows.front(), results->provenance);
   ASSERT_TRUE(again.starts_with("brickbench ")) << again;
   EXPECT_EQ(shell(program + again.substr(10) + " --out " + path("again")), 0) << again;
   const auto repeated = read_results(folder_ / "again");

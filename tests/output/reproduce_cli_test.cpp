@@ -91,11 +91,10 @@ TEST_F(Reproduce, EachDeviationOfACheckIsShownAgainByItsCommand) {
 }
 
 TEST_F(Reproduce, EachFailedCellOfAReportIsShownAgainByItsCommand) {
-  const std::string limit = "\nduration_s = 0.2\n";
-  std::string text_of_plan = k_checked_plan;
-  text_of_plan.replace(text_of_plan.find(limit), limit.size(), limit + "time_limit_s = 1e-12\n");
-  const std::string plan = put("two.toml", text_of_plan);
-  const Answer run = ask("run " + plan + " --set 'slide.seeds=[4]' --out " + path("run"));
+  const std::string plan = put("two.toml", k_checked_plan);
+  const Answer run =
+      ask("run " + plan + " --set slide.time_limit_s=1e-12 --set 'slide.seeds=[4]' --out " +
+          path("run"));
   ASSERT_EQ(run.code, 1) << run.err;
   ASSERT_EQ(ask("report " + path("run") + " --no-pdf --out " + path("page")).code, 0);
   const std::string text = *read_file(folder_ / "page" / "report.md");
