@@ -1,7 +1,6 @@
 # Headers that most files read are compiled once per set of options and then taken from there: each
-# file costs some three seconds less. Off where a file that forgets an include is to be found.
-option(BRICKBENCH_PRECOMPILED "Compile common headers once" ON)
-
+# file costs some three seconds less. CMAKE_DISABLE_PRECOMPILE_HEADERS=ON compiles every file for
+# itself, and so finds the one that forgets an include.
 set(brickbench_common_headers
   <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <filesystem> <functional> <limits> <map>
   <memory> <optional> <span> <string> <string_view> <variant> <vector> <fmt/format.h>
@@ -15,19 +14,14 @@ function(brickbench_header_set name)
   target_precompile_headers(${name} PRIVATE ${brickbench_common_headers} ${ARGN})
 endfunction()
 
-if(BRICKBENCH_PRECOMPILED)
-  # A compiler cache tells files apart by what the headers hold.
-  target_compile_options(brickbench_options INTERFACE
-    $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
-  brickbench_header_set(brickbench_headers)
-  brickbench_header_set(brickbench_headers_light)
-  brickbench_light_options(brickbench_headers_light)
-endif()
+# A compiler cache tells files apart by what the headers hold.
+target_compile_options(brickbench_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+brickbench_header_set(brickbench_headers)
+brickbench_header_set(brickbench_headers_light)
+brickbench_light_options(brickbench_headers_light)
 
 # brickbench_headers_of(TARGET SET): takes the common headers from a set with the same options.
 function(brickbench_headers_of target set)
-  if(BRICKBENCH_PRECOMPILED AND TARGET ${set})
-    target_link_libraries(${target} PRIVATE fmt::fmt)
-    target_precompile_headers(${target} REUSE_FROM ${set})
-  endif()
+  target_link_libraries(${target} PRIVATE fmt::fmt)
+  target_precompile_headers(${target} REUSE_FROM ${set})
 endfunction()
