@@ -54,6 +54,11 @@ nlohmann::ordered_json rounded(const std::vector<double>& values) {
 
 }  // namespace
 
+std::string Curve::legend() const {
+  if (flagged_from) return label + " !";
+  return note.empty() ? label : label + ", " + note;
+}
+
 std::size_t Curve::first_flagged() const {
   if (!flagged_from) return x.size();
   const auto first = std::ranges::find_if(x, [&](double at) { return at >= *flagged_from; });
@@ -138,9 +143,7 @@ std::string to_gnuplot(const Figure& figure, const std::string& data, const std:
     if (figure.lines) look += gnuplot_dash(curve.colour);
     if (figure.markers || !figure.lines)
       look += fmt::format(" pointtype {}", 4 + curve.colour % 10);
-    plots += fmt::format(
-        "{} using 2:3 with {} title {}", rows, look,
-        gnuplot_text(curve.note.empty() ? curve.label : curve.label + ", " + curve.note));
+    plots += fmt::format("{} using 2:3 with {} title {}", rows, look, gnuplot_text(curve.legend()));
     first += curve.x.size();
   }
   return out + plots + '\n';
@@ -150,7 +153,7 @@ nlohmann::ordered_json to_json(const Figure& figure) {
   auto curves = nlohmann::ordered_json::array();
   for (const Curve& curve : figure.curves) {
     nlohmann::ordered_json json = {{"label", curve.label},
-                                   {"note", curve.note},
+                                   {"legend", curve.legend()},
                                    {"colour", palette_colour(curve.colour)},
                                    {"dash", palette_dash(curve.colour)},
                                    {"marker", curve.colour},

@@ -18,11 +18,13 @@ struct Curve {
   std::vector<double> high;  // empty, or as long as y
   std::string note;          // shown after the label in the legend: "order 1.02"
   // Where a run is flagged: from this x on it is not to be trusted; the curve is drawn faint, with
-  // a cross there, and the note says why.
+  // a cross there; the caption says why.
   std::optional<double> flagged_from = {};
 
   // The first of its points that is flagged; x.size() if none is.
   std::size_t first_flagged() const;
+  // What the legend says: "bee/v, order 1.02"; "bee/v !" where the run is flagged.
+  std::string legend() const;
 };
 
 struct FigureAxis {

@@ -225,9 +225,8 @@ std::string legend(const Figure& figure, double top) {
       out += fmt::format("<path d=\"{}\" fill=\"{}\"/>", marker(curve.colour, x + 13, y),
                          palette_colour(curve.colour));
     }
-    out += fmt::format(
-        "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 32, y + 4,
-        escape_markup(curve.note.empty() ? curve.label : curve.label + ", " + curve.note));
+    out += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 32, y + 4,
+                       escape_markup(curve.legend()));
   }
   return out;
 }

@@ -66,7 +66,6 @@ Figure& figure_of(std::vector<Figure>& figures, std::map<Key, std::size_t>& know
 // Marks the curve of a flagged run.
 void mark(Curve& curve, const CellFacts& cell) {
   if (cell.validity.empty()) return;
-  curve.note = flag_mark(cell.validity, cell.step_s);
   curve.flagged_from = static_cast<double>(first_flagged_step(cell.validity)) * cell.step_s;
 }
 

@@ -1,8 +1,5 @@
 #include "reports/src/flags.hpp"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <charconv>
 #include <set>
@@ -43,12 +40,6 @@ std::uint64_t first_flagged_step(const std::string& validity) {
     first = first == 0 ? step : std::min(first, step);
   }
   return first;
-}
-
-std::string flag_mark(const std::string& validity, double step_s) {
-  if (validity.empty()) return "";
-  return fmt::format("! {} from {:.4g} s", fmt::join(flag_words(validity), ", "),
-                     static_cast<double>(first_flagged_step(validity)) * step_s);
 }
 
 std::vector<const Row*> flagged_cells(std::span<const Row> rows) {

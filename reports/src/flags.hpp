@@ -17,9 +17,6 @@ std::vector<std::string> flag_words(const std::string& validity);
 // The first step that raised one of them; 0: none did.
 std::uint64_t first_flagged_step(const std::string& validity);
 
-// "! unsolved, clamped from 0.012 s": the mark of a run with this step; empty without flags.
-std::string flag_mark(const std::string& validity, double step_s);
-
 // A row of each cell that ran to its end and is flagged, in the order of the rows.
 std::vector<const Row*> flagged_cells(std::span<const Row> rows);
 

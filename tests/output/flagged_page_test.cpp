@@ -93,10 +93,8 @@ std::string file_named(const std::vector<OutputFile>& files, const std::string& 
 TEST(Flags, AreReadFromTheWordsOfTheRows) {
   EXPECT_EQ(flag_words(k_two_flags), (std::vector<std::string>{"unsolved", "tunnelled"}));
   EXPECT_EQ(first_flagged_step(k_two_flags), 40U);
-  EXPECT_EQ(flag_mark(k_two_flags, 0.01), "! unsolved, tunnelled from 0.4 s");
   EXPECT_TRUE(flag_words("").empty());
   EXPECT_EQ(first_flagged_step(""), 0U);
-  EXPECT_EQ(flag_mark("", 0.01), "");
 }
 
 TEST(FlaggedPage, CurvesOverTimeAreMarkedInLegendFigureAndData) {
@@ -106,10 +104,10 @@ TEST(FlaggedPage, CurvesOverTimeAreMarkedInLegendFigureAndData) {
   const Figure& figure = figures.front();
   ASSERT_EQ(figure.curves.size(), 2U);
   EXPECT_FALSE(figure.curves[0].flagged_from.has_value());
-  EXPECT_EQ(figure.curves[0].note, "");
+  EXPECT_EQ(figure.curves[0].legend(), "sound/v");
   EXPECT_DOUBLE_EQ(figure.curves[1].flagged_from.value_or(-1.0), 0.4);
   const std::string svg = to_svg(figure, true);
-  EXPECT_NE(svg.find("flagged/v, ! unsolved, tunnelled from 0.4 s"), std::string::npos);
+  EXPECT_NE(svg.find("flagged/v !"), std::string::npos);
   std::size_t crosses = 0;
   for (std::size_t at = svg.find("class=\"flag\""); at != std::string::npos;
        at = svg.find("class=\"flag\"", at + 1)) {

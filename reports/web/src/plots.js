@@ -87,7 +87,7 @@ function options(figure, width, data) {
   for (const curve of figure.curves) {
     const isFlagged = curve.flagged_from !== undefined;
     series.push({
-      label: curve.note ? `${curve.label}, ${curve.note}` : curve.label,
+      label: curve.legend,
       stroke: isFlagged ? curve.colour + "73" : curve.colour, class: isFlagged ? "flagged" : undefined,
       width: figure.lines ? 1.8 : 0, dash: dash(curve), spanGaps: true,
       points: { show: figure.markers, size: 8, fill: curve.colour }, value: (_, v) => number(v),
