@@ -86,7 +86,6 @@ std::optional<Scheme> baraff_scheme(const Settings& settings) {
 std::optional<Scheme> velocity_scheme(const Settings& settings) {
   const auto value = [&](std::string_view name) { return knob(settings, name); };
   const double integrator = value("integrator");
-  if (integrator == 1.0) return std::nullopt;  // CF4 has no rule in Scheme
   Scheme scheme;
   scheme.source = "Moreau 1999; Stewart & Trinkle 1996; ourengine/dynamics, ourengine/contact";
   scheme.position = PositionRule::mean_unless_pushed;

@@ -82,8 +82,8 @@ inline constexpr std::array k_exact_knobs = {
              [](ExactOptions& o, double value) { o.solve.slip_tolerance = value; },
              [](const ExactOptions& o) -> LiveValues { return {o.solve.slip_tolerance}; }},
     held<&ExactOptions::rotation>(
-        ExactRow{"integrator", "1", 2, 2, 0, 2, true,
-                 "of the attitude: 0 semi-implicit, 1 CF4, 2 discrete Moser-Veselov"}),
+        ExactRow{"integrator", "1", 1, 1, 0, 1, true,
+                 "of the attitude: 0 semi-implicit, 1 discrete Moser-Veselov"}),
     held<&ExactOptions::margin_m>(
         ExactRow{"margin_m", "m", 1e-3, 1e-3, 1e-9, 1e-1, false,
                  "gap up to which contacts are stated, beyond what bodies approach in a step"}),

@@ -62,8 +62,6 @@ const char* rotation_name(RotationScheme scheme) {
   switch (scheme) {
     case RotationScheme::k_semi_implicit:
       return "semi_implicit";
-    case RotationScheme::k_cf4:
-      return "cf4";
     case RotationScheme::k_moser_veselov:
       return "moser_veselov";
   }
@@ -93,20 +91,6 @@ Eigen::Quaterniond rotate_semi_implicit(const Eigen::Quaterniond& q,
   return turned(q, step_s * angular_velocity_radps(q, inertia_kgm2, momentum_kgm2ps));
 }
 
-Eigen::Quaterniond rotate_cf4(const Eigen::Quaterniond& q, const Eigen::Vector3d& inertia_kgm2,
-                              const Eigen::Vector3d& momentum_kgm2ps, double step_s) {
-  const auto spin = [&](const Eigen::Quaterniond& at) {
-    return Eigen::Vector3d(step_s * angular_velocity_radps(at, inertia_kgm2, momentum_kgm2ps));
-  };
-  const Eigen::Vector3d k1 = spin(q);
-  const Eigen::Quaterniond half = turned(q, 0.5 * k1);
-  const Eigen::Vector3d k2 = spin(half);
-  const Eigen::Vector3d k3 = spin(turned(q, 0.5 * k2));
-  const Eigen::Vector3d k4 = spin(turned(half, k3 - 0.5 * k1));
-  const Eigen::Quaterniond middle = turned(q, (3.0 * k1 + 2.0 * (k2 + k3) - k4) / 12.0);
-  return turned(middle, (-k1 + 2.0 * (k2 + k3) + 3.0 * k4) / 12.0);
-}
-
 Eigen::Quaterniond rotate_moser_veselov(const Eigen::Quaterniond& q,
                                         const Eigen::Vector3d& inertia_kgm2,
                                         const Eigen::Vector3d& momentum_kgm2ps, double step_s) {
@@ -129,8 +113,6 @@ Eigen::Quaterniond rotate(RotationScheme scheme, const Eigen::Quaterniond& q,
   switch (scheme) {
     case RotationScheme::k_semi_implicit:
       return rotate_semi_implicit(q, inertia_kgm2, momentum_kgm2ps, step_s);
-    case RotationScheme::k_cf4:
-      return rotate_cf4(q, inertia_kgm2, momentum_kgm2ps, step_s);
     case RotationScheme::k_moser_veselov:
       break;
   }

@@ -1,7 +1,7 @@
 // Rotation of a rigid body over one step, with the spatial angular momentum given and constant.
 //
-// All three store nothing but attitude and spatial angular momentum L: |L| and its direction are
-// exact in every one of them, and the spin follows from both, w = R I^-1 R^T L.
+// Both store nothing but attitude and spatial angular momentum L: |L| and its direction are exact in
+// either, and the spin follows from both, w = R I^-1 R^T L.
 // Frames and units: q body to world; L world frame, kg m2/s; I principal, body axes, kg m2.
 #pragma once
 
@@ -12,7 +12,6 @@ namespace ourengine {
 
 enum class RotationScheme {
   k_semi_implicit,  // q+ = exp(h w(q, L)) q: first order
-  k_cf4,            // commutator-free Lie group method: fourth order
   k_moser_veselov,  // discrete Moser-Veselov, preprocessed: fourth order, keeps the energy
 };
 
@@ -34,11 +33,6 @@ Eigen::Quaterniond turned(const Eigen::Quaterniond& q, const Eigen::Vector3d& ro
 Eigen::Quaterniond rotate_semi_implicit(const Eigen::Quaterniond& q,
                                         const Eigen::Vector3d& inertia_kgm2,
                                         const Eigen::Vector3d& momentum_kgm2ps, double step_s);
-
-// Source: E. Celledoni, A. Marthinsen, B. Owren, Commutator-free Lie group methods, Future
-// Generation Computer Systems 19 (2003), the method of order four with two exponentials.
-Eigen::Quaterniond rotate_cf4(const Eigen::Quaterniond& q, const Eigen::Vector3d& inertia_kgm2,
-                              const Eigen::Vector3d& momentum_kgm2ps, double step_s);
 
 // Discrete Moser-Veselov: the body turns by the unit quaternion (e0, e) with
 //   e0 I e + e x I e = h/2 m,   m = R^T L,
