@@ -1,4 +1,5 @@
 // The program from outside: exit codes, what goes to which stream, files, bytes.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -130,6 +131,44 @@ TEST_F(Program, ExistingOutputsAreRefusedBeforeTheRun) {
     EXPECT_EQ(files(), before) << verb;
   }
   EXPECT_EQ(*read_file(file), "kept");
+}
+
+TEST_F(Program, NothingComparedIsNotSuccess) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  const std::string plan = put("plan.toml", k_plan);
+  ASSERT_EQ(ask("run " + plan + " --out " + path("whole")).code, 0);
+  EXPECT_EQ(ask("compare " + path("whole") + ' ' + path("whole")).code, 0);
+  ASSERT_EQ(ask("run " + plan + " --set time_limit_s=1e-12 --out " + path("none")).code, 1);
+  const Answer answer = ask("compare " + path("none") + ' ' + path("none"));
+  EXPECT_EQ(answer.code, 3) << answer.out;
+  EXPECT_NE(answer.out.find("Nothing could be compared"), std::string::npos) << answer.out;
+}
+
+// Counts, lengths and choices of every compiled scene, a little beyond either end.
+TEST_F(Program, ParametersOutOfRangeAreRefusedWithTheirRange) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  std::string wrong;
+  for (const Scenario& scenario : scenarios()) {
+    for (const Parameter& parameter : scenario.parameters) {
+      if (parameter.kind != ParameterKind::integer) continue;
+      for (const double value : {parameter.minimum - 1.0, parameter.maximum + 1.0, -1.5}) {
+        const std::string plan =
+            put("plan.toml", fmt::format("title = \"t\"\n[[experiment]]\nscenario = \"{}\"\n"
+                                         "engines = [\"all\"]\nstep_s = 0.01\n"
+                                         "parameters = {{ {} = {} }}\n",
+                                         scenario.name, parameter.name, value));
+        const auto read = read_plan(plan, {scenarios(), metrics(), adapters(), {}});
+        if (read.has_value() && expand(*read, {scenarios(), metrics(), adapters(), {}})) {
+          wrong += fmt::format("{}.{} = {}\n", scenario.name, parameter.name, value);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(wrong, "");
+  const Answer answer = ask("oracle laws tower --set count=-1");
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_NE(answer.err.find("count"), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("1 .. 1000"), std::string::npos) << answer.err;
 }
 
 TEST_F(Program, APlanFromAPipeRunsAndItsCellsAreRepeatedFromTheCopy) {
