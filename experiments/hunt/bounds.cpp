@@ -70,6 +70,18 @@ double soft_time_s(const Motion& motion) {
   return std::max(contact.time_constant_s, least_s);
 }
 
+double rounding_speed_mps(const Motion& motion) {
+  constexpr double k_last_bits = 8.0;
+  double largest_m = 0.0;
+  for (std::size_t i = 0; i < motion.states.front().size(); ++i) {
+    const Body& body = motion.scene.world.bodies[i];
+    if (body.fixed) continue;
+    largest_m = std::max(
+        largest_m, motion.states.front()[i].position_m.cwiseAbs().maxCoeff() + reach_m(body.shape));
+  }
+  return k_last_bits * std::numeric_limits<double>::epsilon() * largest_m / motion.step_s;
+}
+
 double soft_depth_m(const Motion& motion) {
   const double time_s = soft_time_s(motion);
   return motion.scene.world.gravity_mps2.norm() * time_s * time_s;

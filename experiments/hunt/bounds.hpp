@@ -46,6 +46,10 @@ double soft_depth_m(const Motion& motion);
 // Time, s, that the contact springs of the engine need to stop a body; 0 where they are hard.
 double soft_time_s(const Motion& motion);
 
+// Speed, m/s, that is none: positions are rounded, and what pushes out an overlap of a few last
+// bits in a step is not faster.
+double rounding_speed_mps(const Motion& motion);
+
 // Keeps the candidate whose observed value exceeds the allowed one most.
 class Worst {
  public:

@@ -64,6 +64,10 @@ double attitude_energy_j(const World& world, const gate::StepRecord& record) {
 
 std::optional<Breach> energy_breach(const Motion& motion) {
   const World& world = motion.scene.world;
+  double mass_kg = 0.0;
+  for (const Body& body : world.bodies) mass_kg += body.fixed ? 0.0 : body.mass_kg;
+  const double unseen_mps = rounding_speed_mps(motion);
+  const double unseen_j = mass_kg * unseen_mps * unseen_mps;
   const bool loose = may_create(greatest_law(world));
   const double start_j = gate::energy_j(world, motion.states.front());
   const double fall_j = height_energy_j(world, motion.states.front());
@@ -85,8 +89,9 @@ std::optional<Breach> energy_breach(const Motion& motion) {
     const double first_order_j = first_order_energy_j(world, fastest, motion.step_s);
     const double scale_j = most_kinetic_j + edge_energy_j(world);
     const double allowed_j =
-        loose ? k_explosion * (first_kinetic_j + std::max(given_j, 0.0) + fall_j + scheme_j)
-              : scheme_j + first_order_j + k_energy_share * scale_j;
+        unseen_j +
+        (loose ? k_explosion * (first_kinetic_j + std::max(given_j, 0.0) + fall_j + scheme_j)
+               : scheme_j + first_order_j + k_energy_share * scale_j);
     worst.see({"energy", excess_j, allowed_j, "J", n + 1, 0.0, ""});
   }
   return worst.breach(motion);

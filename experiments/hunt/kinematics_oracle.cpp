@@ -58,17 +58,18 @@ std::optional<Breach> kinematics_breach(const Motion& motion) {
   DeepestOverlap overlap(world);
   std::vector<double> strayed_m(world.bodies.size(), 0.0);
   const double fall_m = world.gravity_mps2.norm() * h * h;
+  const bool within_steps = hits_within_steps(motion);
   Worst worst;
   for (std::size_t n = 0; n < motion.steps(); ++n) {
+    const gate::StepRecord record = motion.record(n);
     // An overlap may be pushed out by moving the bodies alone.
     const double depth_m = overlap.find(motion.states[n]).depth_m;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       if (world.bodies[i].fixed) continue;
-      const State& before = motion.states[n][i];
-      const State& after = motion.states[n + 1][i];
+      const State& before = record.before[i];
+      const State& after = record.after[i];
       const double way_m = h * (before.velocity_mps.norm() + after.velocity_mps.norm());
-      const double thrown_m =
-          hits_within_steps(motion) ? h * thrown_mps(world, motion.record(n), i) : 0.0;
+      const double thrown_m = within_steps ? h * thrown_mps(world, record, i) : 0.0;
       const double allowed_m = k_bend_share * way_m + depth_m + fall_m + thrown_m;
       strayed_m[i] += std::max(0.0, stray_m(before, after, h) - allowed_m);
       const double edge_m = thinnest_m(world.bodies[i].shape);
