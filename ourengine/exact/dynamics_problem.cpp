@@ -17,6 +17,9 @@ void complete_frame(ProblemContact& contact) {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+// Of the step: contacts whose gaps close so soon after it close in it.
+constexpr double k_together = 1e-9;
+
 }  // namespace
 
 // An approach slower than this is no impact.
@@ -114,7 +117,8 @@ double Dynamics::lag_mps2(std::size_t k) const {
   return bodies_[a].fixed ? along_mps2 : -along_mps2;
 }
 
-// The free motion of a contact's gap until the end of the step.
+// The free motion of a contact's gap until the end of the step. What touches a moment later belongs
+// to it: rounding would part the corners of a face that comes down at the end.
 Touch Dynamics::touch_of(std::size_t k) const {
   const ProblemContact& contact = problem_.contacts[k];
   const auto a = index(contact.body_a);
@@ -124,7 +128,7 @@ Touch Dynamics::touch_of(std::size_t k) const {
   };
   return first_touch(contact.gap_m, contact.approach_mps,
                      contact.normal.dot(acceleration(b) - acceleration(a)),
-                     left_s(bodies_[a].fixed ? b : a));
+                     left_s(bodies_[a].fixed ? b : a) + k_together * span_s_);
 }
 
 bool Dynamics::bounces(std::size_t k, const Touch& touch) const {

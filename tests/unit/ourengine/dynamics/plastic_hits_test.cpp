@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 
 #include "ourengine/exact/dynamics.hpp"
@@ -26,6 +27,7 @@ struct Hit {
   double restitution = 0.0;
   double size = 1.0;        // of the bricks, times 0.2 x 0.1 x 0.1 m
   double mass_ratio = 1.0;  // of the brick that is hit over the other
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // of the whole scene
 };
 
 std::string name_of(const Hit& h) {
@@ -39,6 +41,7 @@ struct Result {
   double approach_mps = 0.0;  // of the one to the other, afterwards
   double common_mps = 0.0;    // velocity of their common centre
   double energy_j = 0.0;      // kinetic, over that of the common motion
+  double turning = 0.0;       // speed of a corner by spin, over the speed before
   bool unsolved = false;
 };
 
@@ -50,6 +53,11 @@ Result fly(const Hit& h, Solver solver) {
   add_brick(wall, half, {2.0 * half.x() + h.gap_m, 0, 0});
   wall.bodies[1].mass_kg *= h.mass_ratio;
   wall.bodies[1].inertia_kgm2 *= h.mass_ratio;
+  for (Motion& motion : wall.motions) {
+    motion.position_m = h.turn * motion.position_m;
+    motion.velocity_mps = h.turn * motion.velocity_mps;
+    motion.attitude = h.turn;
+  }
   DynamicsOptions options;
   options.step_s = h.step_s;
   options.gravity_mps2.setZero();
@@ -63,7 +71,15 @@ Result fly(const Hit& h, Solver solver) {
   for (int i = 0; i < steps; ++i)
     result.unsolved = dynamics.step().status != SolveStatus::kSolved || result.unsolved;
   const double m[2] = {dynamics.bodies()[0].mass_kg, dynamics.bodies()[1].mass_kg};
-  const auto v = [&](std::size_t i) { return dynamics.motions()[i].velocity_mps.x(); };
+  const auto v = [&](std::size_t i) {
+    return (h.turn.conjugate() * dynamics.motions()[i].velocity_mps).x();
+  };
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Motion& end = dynamics.motions()[i];
+    const Eigen::Vector3d spin = angular_velocity_radps(
+        end.attitude, dynamics.bodies()[i].inertia_kgm2, end.angular_momentum_kgm2ps);
+    result.turning = std::max(result.turning, spin.norm() * half.norm() / h.speed_mps);
+  }
   result.approach_mps = v(0) - v(1);
   result.common_mps = (m[0] * v(0) + m[1] * v(1)) / (m[0] + m[1]);
   const double common_j = 0.5 * m[0] * m[0] / (m[0] + m[1]) * h.speed_mps * h.speed_mps;
@@ -135,6 +151,29 @@ TEST(PlasticHits, AndOverMassesSizesSpeedsAndSteps) {
     }
   }
   EXPECT_TRUE(plastic.within(k_plastic));
+  EXPECT_TRUE(restituted.within(k_restituted));
+}
+
+// Faces that meet at the very end of a step, where rounding puts some corners into it and others
+// behind it, whatever the axes.
+TEST(PlasticHits, AFaceIsHitAsAWholeWhateverTheAxes) {
+  constexpr Tolerance k_turning = {"speed of a corner by spin, over that before", 1e-8, 1e-9,
+                                   "the residual of a solve, at most 1e-10 of the speed"};
+  std::mt19937_64 dice(3);
+  std::uniform_real_distribution<> any(-1.0, 1.0);
+  Worst turning, restituted;
+  for (int trial = 0; trial < 400; ++trial) {
+    Hit hit{.speed_mps = 5.0, .restitution = trial % 2 == 0 ? 1.0 : 0.4};
+    hit.gap_m = (1 + trial % 7) * hit.speed_mps * hit.step_s;
+    hit.friction = trial % 3 == 0 ? 0.5 : 0.0;
+    hit.turn = Eigen::Quaterniond(any(dice), any(dice), any(dice), any(dice)).normalized();
+    const Result result = fly(hit, &solve_exact);
+    const std::string name = name_of(hit) + ", trial " + std::to_string(trial);
+    EXPECT_FALSE(result.unsolved) << name;
+    turning.see(result.turning, name);
+    restituted.see(-result.approach_mps / (hit.restitution * hit.speed_mps) - 1.0, name);
+  }
+  EXPECT_TRUE(turning.within(k_turning));
   EXPECT_TRUE(restituted.within(k_restituted));
 }
 
