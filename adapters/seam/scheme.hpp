@@ -134,9 +134,20 @@ struct SoftContact {
   int most_trials = 1;
   int most_sweeps = 1;
   // The laws of impact are solved by sweeps over the manifolds, until none changes a velocity by
-  // more than this share of the fastest approach.
+  // more than rebound_share of the fastest approach, of what gravity gives in a step, or of the
+  // first sweep's largest change; after so many sweeps by more than rebound_tolerated; so often at
+  // most. From plain_sweeps on, every second one is extrapolated (Nesterov), anew where its change
+  // is more than restart_growth of the one before. The normals of one manifold by themselves: until
+  // none changes by more than row_share of that or round_share of the first round's change.
   double rebound_share = 0.0;
+  int plain_sweeps = 0;
+  double restart_growth = 0.0;
   int rebound_sweeps = 0;
+  double rebound_tolerated = 0.0;
+  int most_rebound_sweeps = 0;
+  int row_rounds = 0;
+  double row_share = 0.0;
+  double round_share = 0.0;
   double small_turn_rad = 0.0;  // in a step: taken to second order
   // A step is cut in halves where a pushed body turns further than this, where sweeps do not
   // settle, or where more than this share of the energy cannot be taken.

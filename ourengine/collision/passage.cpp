@@ -1,4 +1,4 @@
-#include "ourengine/exact/passage.hpp"
+#include "ourengine/collision/passage.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,20 +39,24 @@ double deepest_overlap_m(const BodyModel& a, const Motion& at_a, const BodyModel
   return deepest_m;
 }
 
-bool passes(const BodyModel& a, const Way& way_a, const BodyModel& b, const Way& way_b) {
+double passage_m(const BodyModel& a, const Way& way_a, const BodyModel& b, const Way& way_b) {
   const double step_m =
       k_passage_share * std::min(thickness_m(a.geometry), thickness_m(b.geometry));
   const double places = (moved_m(a, way_a) + moved_m(b, way_b)) / step_m;
-  if (!(places > 2.0)) return false;
+  if (!(places > 2.0)) return 0.0;
   const int count = static_cast<int>(std::min(std::ceil(places), double{k_most_places}));
   const double allowed_m = step_m + std::max(deepest_overlap_m(a, way_a.start, b, way_b.start),
                                              deepest_overlap_m(a, way_a.end, b, way_b.end));
   for (int k = 1; k < count; ++k) {
     const double share = static_cast<double>(k) / count;
-    if (deepest_overlap_m(a, along(a, way_a, share), b, along(b, way_b, share)) > allowed_m)
-      return true;
+    const double depth_m = deepest_overlap_m(a, along(a, way_a, share), b, along(b, way_b, share));
+    if (depth_m > allowed_m) return depth_m;
   }
-  return false;
+  return 0.0;
+}
+
+bool passes(const BodyModel& a, const Way& way_a, const BodyModel& b, const Way& way_b) {
+  return passage_m(a, way_a, b, way_b) > 0.0;
 }
 
 }  // namespace ourengine

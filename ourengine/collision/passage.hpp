@@ -18,9 +18,10 @@ struct Way {
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  // rotation vector, world frame
 };
 
-// Whether the bodies overlap, somewhere on their ways, by a quarter of the thinner one more than
-// at both ends. Ways too short for one to pass the other are not looked at; those further than
-// sixteen thicknesses are looked at in 64 places.
+// How deep the bodies overlap on their ways, m, in the first place where that is a quarter of the
+// thinner one more than at both ends; 0 if nowhere. Ways too short for one to pass the other are
+// not looked at; those further than sixteen thicknesses are looked at in 64 places.
+double passage_m(const BodyModel& a, const Way& way_a, const BodyModel& b, const Way& way_b);
 bool passes(const BodyModel& a, const Way& way_a, const BodyModel& b, const Way& way_b);
 
 }  // namespace ourengine

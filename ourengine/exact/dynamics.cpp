@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "ourengine/exact/passage.hpp"
+#include "ourengine/collision/passage.hpp"
 
 namespace ourengine {
 namespace {

@@ -2,6 +2,7 @@
 // bodies that touched, and the laws of impact within them.
 #include <algorithm>
 
+#include "ourengine/collision/passage.hpp"
 #include "ourengine/fast/fast_dynamics.hpp"
 #include "ourengine/fast/soft_vector.hpp"
 #include "ourengine/integration/rotation.hpp"
@@ -125,6 +126,10 @@ Twist FastDynamics::twist_of(std::size_t i) const {
                                  ends_[i].angular_momentum_kgm2ps)};
 }
 
+Twist FastDynamics::twist_at_end(int body) const {
+  return bodies_[at(body)].fixed ? Twist{} : twist_of(at(body));
+}
+
 void FastDynamics::set_twist(std::size_t i, const Twist& twist) {
   ends_[i].velocity_mps = twist.linear;
   ends_[i].angular_momentum_kgm2ps = momentum_of(i, twist.angular);
@@ -197,6 +202,49 @@ double FastDynamics::fastest_approach_mps(const Slot& slot) const {
   return fastest_mps;
 }
 
+// Whether a contact that nothing struck ends the step with a speed that only a blow can give: the
+// friction of a body that trips (Painleve's paradox) has no law in the sub-steps.
+bool FastDynamics::throws(const Slot& slot) const {
+  const SoftManifold& m = solved_manifold(at(slot.manifold));
+  const Twist a = twist_at_end(m.body_a), b = twist_at_end(m.body_b);
+  // A point that was pushed and left since turns with its body, and falls.
+  const auto turning_mps2 = [&](int body, const Twist& twist) {
+    return bodies_[at(body)].fixed ? 0.0 : twist.angular.squaredNorm() * radius_m_[at(body)];
+  };
+  const double since_mps = step_s_ * (2.0 * options_.gravity_mps2.norm() +
+                                      turning_mps2(m.body_a, a) + turning_mps2(m.body_b, b));
+  const SoftBatch& batch = batches_[at(slot.batch)];
+  for (std::size_t p = 0; p < at(m.count); ++p) {
+    if (!pushed(batch.point[p], at(slot.lane))) continue;
+    const Eigen::Vector3d& arm_a = m.arm_a_m[p];
+    const Eigen::Vector3d apart =
+        b.linear + b.angular.cross(arm_a - m.between_m) - a.linear - a.angular.cross(arm_a);
+    if (m.normal.dot(apart) > options_.resting_approach_mps + since_mps) return true;
+  }
+  return false;
+}
+
+// How deep two bodies that may touch are in each other on the ways of the step, where they are not
+// at its ends, m; 0 if nowhere.
+double FastDynamics::passage_of_m(const SoftManifold& manifold) const {
+  const auto a = at(manifold.body_a), b = at(manifold.body_b);
+  const auto way = [&](std::size_t i) -> Way {
+    if (bodies_[i].fixed) return {motions_[i], motions_[i]};
+    const Eigen::AngleAxisd turn(ends_[i].attitude * motions_[i].attitude.conjugate());
+    return {motions_[i], ends_[i], turn.angle() * turn.axis()};
+  };
+  const Way way_a = way(a), way_b = way(b);
+  const double shift_m = (way_a.end.position_m - way_a.start.position_m - way_b.end.position_m +
+                          way_b.start.position_m)
+                             .norm();
+  const double reach_m =
+      shift_m + way_a.turn_rad.norm() * radius_m_[a] + way_b.turn_rad.norm() * radius_m_[b];
+  if (reach_m < std::min(thickness_m(bodies_[a].geometry), thickness_m(bodies_[b].geometry))) {
+    return 0.0;
+  }
+  return ourengine::passage_m(bodies_[a], way_a, bodies_[b], way_b);
+}
+
 // Newton's and Coulomb's laws at the end of the step, for all contacts of the islands in which
 // something was struck: what the sub-steps gave to one that now separates too fast, it gives back.
 void FastDynamics::rebound() {
@@ -212,13 +260,17 @@ void FastDynamics::rebound() {
     Law& held = laws_held_[root_of(slot)];
     held = law.restitution > 0.0 || held == Law::bounce ? Law::bounce : Law::plastic;
   }
+  for (const Slot& slot : slots_) {
+    if (slot.pushed && laws_held_[root_of(slot)] == Law::none && throws(slot)) unsolved_ = true;
+  }
   if (fastest_mps == 0.0) return;
   std::vector<const Slot*> slots;
   for (const Slot& slot : slots_) {
     if (slot.pushed && laws_held_[root_of(slot)] != Law::none) slots.push_back(&slot);
   }
-  rebound_left_mps_ = settle_rows(slots, k_rebound_share * fastest_mps, true);
-  unsolved_ = rebound_left_mps_ > FastLimits::k_unsolved_share * fastest_mps;
+  const Settling settling = settle_rows(slots, fastest_mps, true);
+  rebound_left_mps_ = settling.left_mps;
+  unsolved_ = unsolved_ || settling.unsolved;
 }
 
 // A hit takes place when it takes place: bodies of the islands that were struck go on from the last
@@ -284,9 +336,9 @@ std::size_t FastDynamics::root_of(const Slot& slot) const {
   return at(island_[at(bodies_[at(m.body_a)].fixed ? m.body_b : m.body_a)]);
 }
 
-// Whether they bounce, or all targets are zero.
-double FastDynamics::settle_rows(std::span<const Slot* const> slots, double enough_mps,
-                                 bool bounce) {
+// The laws of impact for the manifolds of the slots; without a bounce all targets are zero.
+Settling FastDynamics::settle_rows(std::span<const Slot* const> slots, double fastest_mps,
+                                   bool bounce) {
   std::vector<ReboundRow> rows;
   std::vector<Twist> velocity(bodies_.size());
   std::vector<char> takes_part(bodies_.size(), 0);
@@ -299,12 +351,14 @@ double FastDynamics::settle_rows(std::span<const Slot* const> slots, double enou
       velocity[at(i)] = twist_of(at(i));
     }
   }
-  const double left_mps = settle_rebound(rows, enough_mps, velocity);
+  // What gravity gives in a step counts too: a scale that cannot vanish.
+  const double scale_mps = std::max(fastest_mps, options_.gravity_mps2.norm() * step_s_);
+  const Settling settling = settle_rebound(rows, scale_mps, velocity);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (takes_part[i] != 0) set_twist(i, velocity[i]);
   }
   for (std::size_t k = 0; k < rows.size(); ++k) take_rebound(*slots[k], rows[k]);
-  return left_mps;
+  return settling;
 }
 
 // A manifold that bounced is open: nothing of its impulses goes on.

@@ -159,6 +159,9 @@ bool FastDynamics::close() {
 
 void FastDynamics::accept() {
   ++report_.parts;
+  for (const SoftManifold& manifold : contacts_.manifolds()) {
+    overlap_left_m_ = std::max(overlap_left_m_, passage_of_m(manifold));
+  }
   report_.overlap_left_m = std::max(report_.overlap_left_m, overlap_left_m_);
   report_.rebound_left_mps = std::max(report_.rebound_left_mps, rebound_left_mps_);
   report_.unsolved = report_.unsolved || unsolved_;

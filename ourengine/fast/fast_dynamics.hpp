@@ -41,13 +41,14 @@ struct FastReport {
   int passes = 0;  // trials of the step: more than 1 where impacts met with contacts unknown before
   int parts = 0;   // that the step was cut into; the four numbers above are of the last one
   // Deepest overlap (m) at the step's end that is new and that the last trial still left, or old
-  // and deeper than k_told_share; 0 if below tolerance.
+  // and deeper than k_told_share, or on the way, where bodies pass; 0 if below tolerance.
   double overlap_left_m = 0.0;
   // Deepest overlap (m) of a contact point when the step ended, new or old, as the sweeps count it.
   double deepest_m = 0.0;
   // The last sweep over the laws of impact changed a velocity by this much still, m/s.
   double rebound_left_mps = 0.0;
-  // ... which is more than k_unsolved_share of the fastest approach.
+  // ... which is more than is tolerated (rebound.hpp), or a contact that nothing struck throws its
+  // bodies apart.
   bool unsolved = false;
   // Kinetic energy (J) taken from groups of touching bodies that would have had more than before.
   double energy_taken_j = 0.0;
@@ -74,8 +75,6 @@ struct FastLimits {
   // More energy than was there, that slowing the contacts cannot take away, is no more than this
   // share.
   static constexpr double k_energy_share = 1e-6;
-  // Laws of impact that are missed by more than this share of the fastest approach are unsolved.
-  static constexpr double k_unsolved_share = 1e-2;
   // Of the loads that carried impulses held: where less is left, the impulses are forgotten.
   static constexpr float k_load_left = 0.5F;
   // What is not settled then is cut in halves with as many sub-steps each, so often.
@@ -189,9 +188,12 @@ class FastDynamics {
   void move_back_what_meets(std::span<const SoftVector> trial);
   double fastest_approach_mps(const Slot& slot) const;
   std::size_t root_of(const Slot& slot) const;
-  double settle_rows(std::span<const Slot* const> slots, double enough_mps, bool bounce);
+  Settling settle_rows(std::span<const Slot* const> slots, double fastest_mps, bool bounce);
   ReboundRow rebound_row(const Slot& slot) const;
   Twist twist_of(std::size_t body) const;
+  Twist twist_at_end(int body) const;
+  bool throws(const Slot& slot) const;
+  double passage_of_m(const SoftManifold& manifold) const;
   void set_twist(std::size_t body, const Twist& twist);
   void take_rebound(const Slot& slot, const ReboundRow& row);
   double kinetic_j(std::size_t body) const;

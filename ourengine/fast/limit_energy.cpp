@@ -102,7 +102,7 @@ void FastDynamics::bounce_less(std::span<const char> islands, std::span<Energy> 
   }
   if (slots.empty()) return;
   const std::vector<Motion> more = ends_;
-  settle_rows(slots, k_rebound_share * fastest_m / step_s_, false);
+  settle_rows(slots, fastest_m / step_s_, false);
   const std::vector<Motion> less = ends_;
   std::vector<Energy> first = island_energies();
   const auto blend = [&](std::size_t i, double share) {

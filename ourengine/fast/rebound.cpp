@@ -10,11 +10,6 @@
 namespace ourengine {
 namespace {
 
-constexpr int k_row_rounds = 16;
-// Of what is enough between rows, and of what the first round changed: enough within one.
-constexpr double k_row_share = 0.1;
-constexpr double k_round_share = 0.1;
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 using Row4 = std::array<double, ReboundRow::k_points>;
@@ -42,6 +37,9 @@ void prepare(ReboundRow& row) {
   row.slide_response << response(row, 1.0, row.slide[0], row.slide[0]), across, across,
       response(row, 1.0, row.slide[1], row.slide[1]);
   row.slide_mass = row.slide_response.inverse();
+  const Eigen::Matrix2d& m = row.slide_mass;
+  row.least_slide_mass =
+      0.5 * m.trace() - Eigen::Vector2d(0.5 * (m(0, 0) - m(1, 1)), m(0, 1)).norm();
 }
 
 // How fast each point separates beyond its target.
@@ -95,7 +93,8 @@ double settle_normals(ReboundRow& row, double enough_mps, Twist& a, Twist& b) {
   return changed_mps;
 }
 
-// Coulomb's law likewise, under the normal impulses that the row has.
+// Coulomb's law likewise, under the normal impulses that the row has. What slips is held against
+// the slip, so the step has one mass: the least of any direction.
 double settle_friction(ReboundRow& row, Twist& a, Twist& b) {
   double load_ns = 0.0;
   for (std::size_t p = 0; p < row.count; ++p) load_ns += row.impulse_ns[p];
@@ -104,9 +103,12 @@ double settle_friction(ReboundRow& row, Twist& a, Twist& b) {
   const Eigen::Vector2d slip(row.tangent[0].dot(relative) + turning(row.slide[0], a, b),
                              row.tangent[1].dot(relative) + turning(row.slide[1], a, b));
   const Eigen::Vector2d old_ns(row.friction_ns[0], row.friction_ns[1]);
-  Eigen::Vector2d next_ns = old_ns - row.slide_mass * slip;
-  const double length_ns = next_ns.norm();
-  if (length_ns > limit_ns) next_ns *= limit_ns / length_ns;
+  Eigen::Vector2d next_ns = old_ns - row.least_slide_mass * slip;
+  if (next_ns.norm() > limit_ns) {
+    next_ns = old_ns - row.least_slide_mass * slip;
+    const double length_ns = next_ns.norm();
+    if (length_ns > limit_ns) next_ns *= limit_ns / length_ns;
+  }
   const Eigen::Vector2d change_ns = next_ns - old_ns;
   for (std::size_t k = 0; k < 2; ++k) {
     row.friction_ns[k] = next_ns[static_cast<Eigen::Index>(k)];
@@ -123,6 +125,65 @@ double settle_friction(ReboundRow& row, Twist& a, Twist& b) {
   return std::max((row.slide_response * change_ns).norm(),
                   std::abs(twist_change_nms) * give * row.twist_arm_m);
 }
+
+// Carries impulses and velocities on along what two sweeps changed, the further the longer this
+// goes well; begins anew where a sweep changed much more than the one before.
+class Extrapolation {
+ public:
+  // Marks the bodies that it moved as changed in this sweep.
+  void carry_on(double changed_mps, int sweep, std::span<ReboundRow> rows,
+                std::span<Twist> velocity, std::span<int> changed_in) {
+    const double share = next_share(changed_mps);
+    given_.resize(rows.size());
+    velocity_.resize(velocity.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      ReboundRow& row = rows[k];
+      const Given now = {row.impulse_ns, row.friction_ns, row.twist_nms};
+      if (share > 0.0 && now != given_[k]) {
+        for (std::size_t p = 0; p < row.count; ++p) {
+          row.impulse_ns[p] += share * (now.normal_ns[p] - given_[k].normal_ns[p]);
+        }
+        for (std::size_t t = 0; t < 2; ++t) {
+          row.friction_ns[t] += share * (now.friction_ns[t] - given_[k].friction_ns[t]);
+        }
+        row.twist_nms += share * (now.twist_nms - given_[k].twist_nms);
+        if (row.inverse_mass_a > 0.0) changed_in[at(row.body_a)] = sweep;
+        if (row.inverse_mass_b > 0.0) changed_in[at(row.body_b)] = sweep;
+      }
+      given_[k] = now;
+    }
+    for (std::size_t i = 0; i < velocity.size(); ++i) {
+      const Twist now = velocity[i];
+      if (share > 0.0) {
+        velocity[i].linear += share * (now.linear - velocity_[i].linear);
+        velocity[i].angular += share * (now.angular - velocity_[i].angular);
+      }
+      velocity_[i] = now;
+    }
+  }
+
+ private:
+  struct Given {
+    Row4 normal_ns{};
+    std::array<double, 2> friction_ns{};
+    double twist_nms = 0.0;
+    bool operator==(const Given&) const = default;
+  };
+
+  // 0 the first time, and where it begins anew.
+  double next_share(double changed_mps) {
+    const bool anew = given_.empty() || changed_mps > k_restart_growth * changed_mps_;
+    changed_mps_ = changed_mps;
+    const double pace = anew ? 1.0 : pace_;
+    pace_ = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * pace * pace));
+    return (pace - 1.0) / pace_;
+  }
+
+  double pace_ = 1.0;
+  double changed_mps_ = 0.0;
+  std::vector<Given> given_;
+  std::vector<Twist> velocity_;
+};
 
 // The motion of one rigid body that has the momentum and the angular momentum of all members.
 struct RigidMotion {
@@ -160,12 +221,15 @@ double kinetic_j(const GroupMember& m, const Twist& velocity) {
 
 }  // namespace
 
-double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity) {
+Settling settle_rebound(std::span<ReboundRow> rows, double fastest_mps, std::span<Twist> velocity) {
   for (ReboundRow& row : rows) prepare(row);
   std::vector<int> changed_in(velocity.size(), 0);  // the last sweep that moved the body
-  double changed_mps = 0.0;
-  for (int sweep = 1; sweep <= k_rebound_sweeps; ++sweep) {
-    changed_mps = 0.0;
+  Extrapolation extrapolation;
+  Settling settling;
+  double scale_mps = fastest_mps;
+  for (int sweep = 1; sweep <= k_most_rebound_sweeps; ++sweep) {
+    const double enough_mps = k_rebound_share * scale_mps;
+    double changed_mps = 0.0;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       ReboundRow& row = rows[sweep % 2 == 1 ? k : rows.size() - 1 - k];
       if (changed_in[at(row.body_a)] < sweep - 1 && changed_in[at(row.body_b)] < sweep - 1) {
@@ -180,9 +244,15 @@ double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<T
       if (row.inverse_mass_a > 0.0) changed_in[at(row.body_a)] = sweep;
       if (row.inverse_mass_b > 0.0) changed_in[at(row.body_b)] = sweep;
     }
-    if (changed_mps == 0.0) break;
+    if (sweep == 1) scale_mps = std::max(fastest_mps, changed_mps);
+    const bool tolerable = changed_mps <= k_rebound_tolerated * scale_mps;
+    settling = {.left_mps = changed_mps, .unsolved = !tolerable};
+    if (changed_mps == 0.0 || (sweep >= k_rebound_sweeps && tolerable)) break;
+    if (sweep >= k_plain_sweeps && sweep % 2 == 0 && sweep < k_most_rebound_sweeps) {
+      extrapolation.carry_on(changed_mps, sweep, rows, velocity, changed_in);
+    }
   }
-  return changed_mps;
+  return settling;
 }
 
 double limit_energy(std::span<GroupMember> members, double allowed_j) {

@@ -46,21 +46,38 @@ struct ReboundRow {
   std::array<std::array<double, k_points>, k_points> response{};
   Eigen::Matrix2d slide_response = Eigen::Matrix2d::Zero();
   Eigen::Matrix2d slide_mass = Eigen::Matrix2d::Zero();
+  double least_slide_mass = 0.0;  // of any direction
 };
 
 // Finds impulses r >= 0 and velocities u of separation with u >= target and r (u - target) = 0, and
 // friction within Coulomb's cone that stops what slides, or is as large as it may be, by sweeps
 // over the rows that each solve one row for itself (block Gauss-Seidel; the normals of a row by
 // projected Gauss-Seidel on its points, then its friction). Begins with the impulses of the rows.
-// Ends when no row changes a velocity by more than enough_mps, or after k_rebound_sweeps; returns
-// the last change (m/s). velocity: (bodies); fixed bodies stay. Source: J. J. Moreau, Unilateral
-// contact and dry friction in finite freedom dynamics, 1988 (Newton's and Coulomb's law at the end
-// of the step as one problem of all contacts). Without restitution the contacts give nothing to the
-// velocities that they end with (Carnot), so that the bodies have no more kinetic energy than if
-// none had touched.
-inline constexpr double k_rebound_share = 1e-5;  // of the fastest approach: enough
-inline constexpr int k_rebound_sweeps = 64;
-double settle_rebound(std::span<ReboundRow> rows, double enough_mps, std::span<Twist> velocity);
+// Sweeps that do not come to an end soon are extrapolated. Changes count as shares of the largest
+// of the first sweep or of fastest_mps, whichever is more. velocity: (bodies); fixed bodies stay.
+// Without restitution the contacts give nothing to the velocities that they end with (Carnot), so
+// that the bodies have no more kinetic energy than if none had touched.
+// Sources: J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988
+// (Newton's and Coulomb's law at the end of the step as one problem of all contacts). Y. Nesterov,
+// A method for solving the convex programming problem with convergence rate O(1/k^2), 1983, with
+// the restarts of B. O'Donoghue and E. Candes, Foundations of Computational Mathematics 15 (2015).
+struct Settling {
+  double left_mps = 0.0;  // the last sweep changed a velocity by this much; 0: it was enough
+  bool unsolved = false;  // ... which is more than k_rebound_tolerated
+};
+Settling settle_rebound(std::span<ReboundRow> rows, double fastest_mps, std::span<Twist> velocity);
+
+inline constexpr double k_rebound_share = 1e-5;      // a change of a velocity that is enough
+inline constexpr int k_plain_sweeps = 16;            // after which sweeps are extrapolated, ...
+inline constexpr double k_restart_growth = 1.2;      // ... anew where changes grow by this factor
+inline constexpr int k_rebound_sweeps = 64;          // after which ...
+inline constexpr double k_rebound_tolerated = 1e-2;  // ... this is enough too
+inline constexpr int k_most_rebound_sweeps = 1024;   // after which the laws are unsolved
+// A row's normals by themselves: rounds at most, and the change that is enough, of what is enough
+// between rows or of what the first round changed.
+inline constexpr int k_row_rounds = 16;
+inline constexpr double k_row_share = 0.1;
+inline constexpr double k_round_share = 0.1;
 
 // A body of a group whose contacts join them, at the end of the step.
 struct GroupMember {

@@ -70,6 +70,8 @@ HWY_INLINE V normals(SoftBatch& batch, std::size_t i, const SoftStep& step, cons
   return sum;
 }
 
+HWY_INLINE V length(V x, V y) { return hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y))); }
+
 template <bool biased>
 HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, const SoftStep& step, V limit, Pair& v) {
   const Vector t1 = load(batch.tangent[0], i);
@@ -79,14 +81,22 @@ HWY_INLINE void tangents(SoftBatch& batch, std::size_t i, const SoftStep& step, 
   const V u2 = hn::Add(dot(t2, relative), turning(batch.friction_row[1], i, v));
   const V old1 = load(batch.friction_impulse[0], i);
   const V old2 = load(batch.friction_impulse[1], i);
+  const V mass_11 = load(batch.friction_mass_11, i);
   const V mass_12 = load(batch.friction_mass_12, i);
-  V next1 = hn::Sub(old1, hn::MulAdd(load(batch.friction_mass_11, i), u1, hn::Mul(mass_12, u2)));
-  V next2 = hn::Sub(old2, hn::MulAdd(load(batch.friction_mass_22, i), u2, hn::Mul(mass_12, u1)));
-  const V length = hn::Sqrt(hn::MulAdd(next1, next1, hn::Mul(next2, next2)));
-  const auto slips = hn::Gt(length, limit);
-  const V scale = hn::IfThenElse(slips, hn::Div(limit, length), hn::Set(D(), 1.0F));
-  next1 = hn::Mul(next1, scale);
-  next2 = hn::Mul(next2, scale);
+  const V mass_22 = load(batch.friction_mass_22, i);
+  const V stop1 = hn::Sub(old1, hn::MulAdd(mass_11, u1, hn::Mul(mass_12, u2)));
+  const V stop2 = hn::Sub(old2, hn::MulAdd(mass_22, u2, hn::Mul(mass_12, u1)));
+  const auto slips = hn::Gt(length(stop1, stop2), limit);
+  // What slips is held against the slip, so the step has one mass: the least of any direction.
+  const V half = hn::Set(D(), 0.5F);
+  const V spread = length(hn::Mul(half, hn::Sub(mass_11, mass_22)), mass_12);
+  const V mass = hn::Sub(hn::Mul(half, hn::Add(mass_11, mass_22)), spread);
+  const V slip1 = hn::Sub(old1, hn::Mul(mass, u1));
+  const V slip2 = hn::Sub(old2, hn::Mul(mass, u2));
+  const V far = length(slip1, slip2);
+  const V scale = hn::IfThenElse(hn::Gt(far, limit), hn::Div(limit, far), hn::Set(D(), 1.0F));
+  const V next1 = hn::IfThenElse(slips, hn::Mul(slip1, scale), stop1);
+  const V next2 = hn::IfThenElse(slips, hn::Mul(slip2, scale), stop2);
   store(next1, batch.friction_impulse[0], i);
   store(next2, batch.friction_impulse[1], i);
   if constexpr (!biased) {

@@ -83,6 +83,8 @@ float normals(SoftBatch& batch, std::size_t i, const SoftStep& step, bool biased
   return sum;
 }
 
+float length(float x, float y) { return std::sqrt(std::fma(x, x, y * y)); }
+
 void tangents(SoftBatch& batch, std::size_t i, const SoftStep& step, float load, bool biased,
               Pair& v) {
   const Vector t1 = lane(batch.tangent[0], i);
@@ -92,12 +94,19 @@ void tangents(SoftBatch& batch, std::size_t i, const SoftStep& step, float load,
   const float u2 = dot(t2, relative) + turning(batch.friction_row[1], i, v);
   const float old1 = batch.friction_impulse[0][i];
   const float old2 = batch.friction_impulse[1][i];
-  float next1 = old1 - std::fma(batch.friction_mass_11[i], u1, batch.friction_mass_12[i] * u2);
-  float next2 = old2 - std::fma(batch.friction_mass_22[i], u2, batch.friction_mass_12[i] * u1);
+  const float mass_11 = batch.friction_mass_11[i];
+  const float mass_12 = batch.friction_mass_12[i];
+  const float mass_22 = batch.friction_mass_22[i];
+  float next1 = old1 - std::fma(mass_11, u1, mass_12 * u2);
+  float next2 = old2 - std::fma(mass_22, u2, mass_12 * u1);
   const float limit = batch.friction[i] * load;
-  const float length = std::sqrt(std::fma(next1, next1, next2 * next2));
-  if (length > limit) {
-    const float scale = limit / length;
+  if (length(next1, next2) > limit) {
+    const float spread = length(0.5F * (mass_11 - mass_22), mass_12);
+    const float mass = 0.5F * (mass_11 + mass_22) - spread;
+    next1 = old1 - mass * u1;
+    next2 = old2 - mass * u2;
+    const float far = length(next1, next2);
+    const float scale = far > limit ? limit / far : 1.0F;
     next1 = next1 * scale;
     next2 = next2 * scale;
   }

@@ -29,7 +29,8 @@ using Floors = std::vector<std::vector<std::string>>;
 const std::map<std::string, Floors>& houses() {
   static const std::map<std::string, Floors> table = {{"ourengine",
                                                        {{"model", "parallel"},
-                                                        {"integration", "collision", "linear"},
+                                                        {"integration", "linear"},
+                                                        {"collision"},
                                                         {"contact"},
                                                         {"baraff", "exact", "fast"}}},
                                                       {"experiments",

@@ -63,7 +63,13 @@ Scheme soft_scheme() {
                                .most_trials = 8,
                                .most_sweeps = 8,
                                .rebound_share = 1e-5,
+                               .plain_sweeps = 32,
                                .rebound_sweeps = 32,
+                               .rebound_tolerated = 1e-2,
+                               .most_rebound_sweeps = 32,
+                               .row_rounds = 16,
+                               .row_share = 0.1,
+                               .round_share = 0.1,
                                .small_turn_rad = 1e-3,
                                .turn_limit_rad = 0.5,
                                .energy_share = 1e-6};

@@ -82,7 +82,7 @@ void SoftMap::bounce(const Islands& islands, std::span<const State> states,
       if (point.struck()) fastest_mps = std::max(fastest_mps, point.approach_mps);
     }
   }
-  settle(rows, soft_.rebound_share * fastest_mps, motions);
+  settle(rows, fastest_mps, motions);
   for (const Firm& row : rows) take(row);
 }
 
@@ -219,7 +219,7 @@ void SoftMap::bounce_less(const Islands& islands, const std::vector<bool>& excee
     }
   }
   if (rows.empty()) return;
-  settle(rows, soft_.rebound_share * fastest_m / run_.step_s, motions);
+  settle(rows, fastest_m / run_.step_s, motions);
   const std::vector<State> more(ends.begin(), ends.end());
   std::vector<State> less = more, middle = more;
   for (std::size_t i = 0; i < ends.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "experiments/exact/schemes/soft_map.hpp"
 
@@ -11,12 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// A row is solved for itself in so many rounds at most.
-constexpr int k_row_rounds = 16;
-// Of what is enough between rows, and of what the first round changed: enough within one.
-constexpr double k_row_share = 0.1;
-constexpr double k_round_share = 0.1;
 
 }  // namespace
 
@@ -109,7 +104,7 @@ std::vector<SoftMap::Motion> SoftMap::given(std::span<const Wrench> wrenches,
 
 // Projected Gauss-Seidel on the pushed points of one manifold. Returns by how much the velocity of
 // one of them changed.
-double SoftMap::settle_normals(Firm& row, double enough_mps, std::vector<Motion>& motions) {
+double SoftMap::settle_normals(Firm& row, double enough_mps, std::vector<Motion>& motions) const {
   Motion& a = motions[row.row->a.body];
   Motion& b = motions[row.row->b.body];
   const std::size_t n = row.points.size();
@@ -124,8 +119,8 @@ double SoftMap::settle_normals(Firm& row, double enough_mps, std::vector<Motion>
     return row.mass_a + row.mass_b + row.arms[p].on_a.dot(row.arms[q].turn_a) +
            row.arms[p].on_b.dot(row.arms[q].turn_b);
   };
-  double stop_mps = k_row_share * enough_mps;
-  for (int round = 0; round < k_row_rounds; ++round) {
+  double stop_mps = soft_.row_share * enough_mps;
+  for (int round = 0; round < soft_.row_rounds; ++round) {
     double largest_mps = 0.0;
     for (std::size_t p = 0; p < n; ++p) {
       const double old_ns = row.given_ns[p];
@@ -135,7 +130,7 @@ double SoftMap::settle_normals(Firm& row, double enough_mps, std::vector<Motion>
       for (std::size_t q = 0; q < n; ++q) now[q] += response(q, p) * step_ns;
       largest_mps = std::max(largest_mps, std::abs(step_ns) * response(p, p));
     }
-    if (round == 0) stop_mps = std::max(stop_mps, k_round_share * largest_mps);
+    if (round == 0) stop_mps = std::max(stop_mps, soft_.round_share * largest_mps);
     if (largest_mps <= stop_mps) break;
   }
   double sum_ns = 0.0, changed_mps = 0.0;
@@ -164,7 +159,12 @@ double SoftMap::settle_friction(Firm& row, std::vector<Motion>& motions) {
                                              row.slide[k].on_a.dot(a.angular);
   }
   Vector2d next_ns = row.friction_ns - row.mass * slip_mps;
-  if (next_ns.norm() > limit_ns) next_ns *= limit_ns / next_ns.norm();
+  if (next_ns.norm() > limit_ns) {
+    const double least_mass = 0.5 * row.mass.trace() -
+                              std::hypot(0.5 * (row.mass(0, 0) - row.mass(1, 1)), row.mass(0, 1));
+    next_ns = row.friction_ns - least_mass * slip_mps;
+    if (next_ns.norm() > limit_ns) next_ns *= limit_ns / next_ns.norm();
+  }
   const Vector2d change_ns = next_ns - row.friction_ns;
   row.friction_ns = next_ns;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -186,29 +186,83 @@ double SoftMap::settle_friction(Firm& row, std::vector<Motion>& motions) {
                   std::abs(twist_nms) * give * row.twist_lever_m);
 }
 
+// Goes on from `now` along what changed since `last`, which becomes it.
+double SoftMap::beyond(double share, double now, double& last) {
+  return now + share * (now - std::exchange(last, now));
+}
+
+// Every impulse and every velocity goes on along its last change, which is kept in `before`.
+void SoftMap::extrapolate(double share, std::vector<Firm>& rows, std::vector<Motion>& motions,
+                          Iterate& before) const {
+  if (before.rows.empty()) before = {rows, motions};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Firm& now = rows[k];
+    Firm& last = before.rows[k];
+    for (std::size_t p = 0; p < now.given_ns.size(); ++p) {
+      now.given_ns[p] = beyond(share, now.given_ns[p], last.given_ns[p]);
+    }
+    for (Eigen::Index t = 0; t < 2; ++t) {
+      now.friction_ns[t] = beyond(share, now.friction_ns[t], last.friction_ns[t]);
+    }
+    now.twist_nms = beyond(share, now.twist_nms, last.twist_nms);
+  }
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      Motion& now = motions[i];
+      Motion& last = before.motions[i];
+      now.linear[j] = beyond(share, now.linear[j], last.linear[j]);
+      now.angular[j] = beyond(share, now.angular[j], last.angular[j]);
+    }
+  }
+}
+
 // By sweeps to and fro over the manifolds; those whose bodies no longer move are left out.
-void SoftMap::settle(std::vector<Firm>& rows, double enough_mps,
+void SoftMap::settle(std::vector<Firm>& rows, double fastest_mps,
                      std::vector<Motion>& motions) const {
   std::vector<int> moved_in(motions.size(), 0);
-  for (int sweep = 1; sweep <= soft_.rebound_sweeps; ++sweep) {
-    bool changed = false;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-      Firm& row = rows[sweep % 2 == 1 ? k : rows.size() - 1 - k];
-      const Side& a = row.row->a;
-      const Side& b = row.row->b;
-      if (std::max(moved_in[a.body], moved_in[b.body]) < sweep - 1) continue;
-      double change_mps = settle_normals(row, enough_mps, motions);
-      if (row.row->friction > 0.0F) {
-        change_mps = std::max(change_mps, settle_friction(row, motions));
-      }
-      if (change_mps <= enough_mps) continue;
-      changed = true;
-      for (const Side* side : {&a, &b}) {
-        if (!side->fixed) moved_in[side->body] = sweep;
-      }
+  const double least_mps = std::max(fastest_mps, run_.world.gravity_mps2.norm() * run_.step_s);
+  double scale_mps = least_mps, last_mps = 0.0, pace = 1.0;
+  Iterate before;
+  for (int sweep = 1; sweep <= soft_.most_rebound_sweeps; ++sweep) {
+    const double changed_mps =
+        sweep_once(sweep, soft_.rebound_share * scale_mps, rows, motions, moved_in);
+    if (changed_mps == 0.0) break;
+    if (sweep == 1) scale_mps = std::max(least_mps, changed_mps);
+    if (sweep >= soft_.rebound_sweeps && changed_mps <= soft_.rebound_tolerated * scale_mps) break;
+    if (sweep < soft_.plain_sweeps || sweep % 2 == 1 || sweep == soft_.most_rebound_sweeps) {
+      continue;
     }
-    if (!changed) break;
+    if (changed_mps > soft_.restart_growth * last_mps) pace = 1.0;
+    last_mps = changed_mps;
+    const double next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * pace * pace));
+    extrapolate((pace - 1.0) / next, rows, motions, before);
+    for (std::size_t i = 0; pace > 1.0 && i < motions.size(); ++i) {
+      if (!run_.world.bodies[i].fixed) moved_in[i] = sweep;
+    }
+    pace = next;
   }
+}
+
+// The largest change of a velocity of those that are more than enough.
+double SoftMap::sweep_once(int sweep, double enough_mps, std::vector<Firm>& rows,
+                           std::vector<Motion>& motions, std::vector<int>& moved_in) const {
+  double changed_mps = 0.0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    Firm& row = rows[sweep % 2 == 1 ? k : rows.size() - 1 - k];
+    const Side& a = row.row->a;
+    const Side& b = row.row->b;
+    if (std::max(moved_in[a.body], moved_in[b.body]) < sweep - 1) continue;
+    double change_mps = settle_normals(row, enough_mps, motions);
+    if (row.row->friction > 0.0F) {
+      change_mps = std::max(change_mps, settle_friction(row, motions));
+    }
+    if (change_mps <= enough_mps) continue;
+    changed_mps = std::max(changed_mps, change_mps);
+    for (const Side* side : {&a, &b}) {
+      if (!side->fixed) moved_in[side->body] = sweep;
+    }
+  }
+  return changed_mps;
 }
 
 void SoftMap::take(const Firm& row) {

@@ -31,6 +31,7 @@ Eigen::Vector3f times(const Eigen::Matrix3f& m, const Eigen::Vector3f& v) {
   return {dot(m.row(0), v), dot(m.row(1), v), dot(m.row(2), v)};
 }
 float inverse(float x) { return x > 0.0F ? 1.0F / x : 0.0F; }
+float norm_of(float x, float y) { return std::sqrt(std::fma(x, x, y * y)); }
 
 }  // namespace
 
@@ -190,7 +191,8 @@ float SoftMap::serve_points(Row& row, bool biased) {
   return load_ns;
 }
 
-// Coulomb's law for the manifold as a whole, in the middle of its points.
+// Coulomb's law for the manifold as a whole, in the middle of its points: one step that stops it,
+// or, where that takes too much, one against the slip by the least mass of any direction.
 void SoftMap::serve_friction(Row& row, float load_ns) {
   std::array<float, 2> slip_mps{};
   for (std::size_t k = 0; k < 2; ++k) {
@@ -203,9 +205,14 @@ void SoftMap::serve_friction(Row& row, float load_ns) {
       row.friction_ns[1] -
           std::fma(row.friction_mass_22, slip_mps[1], row.friction_mass_12 * slip_mps[0])};
   const float limit_ns = row.friction * load_ns;
-  const float length_ns = std::sqrt(std::fma(next_ns[0], next_ns[0], next_ns[1] * next_ns[1]));
-  if (length_ns > limit_ns) {
-    for (float& next : next_ns) next *= limit_ns / length_ns;
+  if (norm_of(next_ns[0], next_ns[1]) > limit_ns) {
+    const float mass =
+        0.5F * (row.friction_mass_11 + row.friction_mass_22) -
+        norm_of(0.5F * (row.friction_mass_11 - row.friction_mass_22), row.friction_mass_12);
+    for (std::size_t k = 0; k < 2; ++k) next_ns[k] = row.friction_ns[k] - mass * slip_mps[k];
+    const float length_ns = norm_of(next_ns[0], next_ns[1]);
+    const float scale = length_ns > limit_ns ? limit_ns / length_ns : 1.0F;
+    for (float& next : next_ns) next *= scale;
   }
   for (std::size_t k = 0; k < 2; ++k) {
     const float change_ns = next_ns[k] - row.friction_ns[k];

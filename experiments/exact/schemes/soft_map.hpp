@@ -123,6 +123,10 @@ class SoftMap {
     Eigen::Vector2d friction_ns;
     double twist_nms = 0.0, twist_lever_m = 0.0;
   };
+  struct Iterate {
+    std::vector<Firm> rows;
+    std::vector<Motion> motions;
+  };
   enum class Law { none, plastic, bounce };
   struct Islands {
     std::vector<std::size_t> of;  // (bodies) the first body of the island
@@ -170,9 +174,14 @@ class SoftMap {
                               const Eigen::Vector3d& moment_nms) const;
   Firm firm(Row& row, std::span<const State> states) const;
   std::vector<Motion> given(std::span<const Wrench> wrenches, std::span<const State> states);
-  static double settle_normals(Firm& row, double enough_mps, std::vector<Motion>& motions);
+  double settle_normals(Firm& row, double enough_mps, std::vector<Motion>& motions) const;
   static double settle_friction(Firm& row, std::vector<Motion>& motions);
-  void settle(std::vector<Firm>& rows, double enough_mps, std::vector<Motion>& motions) const;
+  static double beyond(double share, double now, double& last);
+  void extrapolate(double share, std::vector<Firm>& rows, std::vector<Motion>& motions,
+                   Iterate& before) const;
+  double sweep_once(int sweep, double enough_mps, std::vector<Firm>& rows,
+                    std::vector<Motion>& motions, std::vector<int>& moved_in) const;
+  void settle(std::vector<Firm>& rows, double fastest_mps, std::vector<Motion>& motions) const;
   static void take(const Firm& row);
 
   // soft_ending.cpp: how a step ends once its contacts are settled.

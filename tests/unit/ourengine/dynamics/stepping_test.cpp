@@ -6,7 +6,7 @@
 #include <string>
 
 #include "ourengine/exact/dynamics.hpp"
-#include "ourengine/exact/passage.hpp"
+#include "ourengine/collision/passage.hpp"
 #include "tests/support/tolerance.hpp"
 #include "tests/unit/ourengine/dynamics/scenes.hpp"
 
