@@ -1,8 +1,8 @@
 // Rotation of a rigid body over one step, with the spatial angular momentum given and constant.
 //
-// Both store nothing but attitude and spatial angular momentum L: |L| and its direction are exact in
-// either, and the spin follows from both, w = R I^-1 R^T L.
-// Frames and units: q body to world; L world frame, kg m2/s; I principal, body axes, kg m2.
+// Both store nothing but attitude and spatial angular momentum L: |L| and its direction are exact
+// in either, and the spin follows from both, w = R I^-1 R^T L. Frames and units: q body to world; L
+// world frame, kg m2/s; I principal, body axes, kg m2.
 #pragma once
 
 #include <Eigen/Core>

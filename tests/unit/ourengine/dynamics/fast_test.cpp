@@ -199,8 +199,8 @@ double energy_of(const FastDynamics& dynamics) {
 TEST(FastDynamics, FastBricksHardlyPenetrate) {
   // Observed: at most 0.25 mm. Without a look at the end of the step: 6.3 and 4.8 mm.
   constexpr double k_promise_m = 1e-3;
-  // The laws of a hit are solved to k_rebound_share of its speed, so to that share of the energy that
-  // the brick brings. Observed: 17 mJ in the blow, 2.7 mJ when gravity first meets the wall.
+  // The laws of a hit are solved to k_rebound_share of its speed, so to that share of the energy
+  // that the brick brings. Observed: 17 mJ in the blow, 2.7 mJ when gravity first meets the wall.
   constexpr double k_gain_j = k_rebound_share * 4000.0;
   for (const Eigen::Vector2d& at_m : {Eigen::Vector2d(0.03, 0.02), Eigen::Vector2d(0.05, 0.0)}) {
     Wall wall = running_bond(10, 10, 0.001);

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <string>
 
-#include "ourengine/exact/dynamics.hpp"
 #include "ourengine/collision/passage.hpp"
+#include "ourengine/exact/dynamics.hpp"
 #include "tests/support/tolerance.hpp"
 #include "tests/unit/ourengine/dynamics/scenes.hpp"
 
