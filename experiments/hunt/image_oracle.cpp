@@ -108,6 +108,9 @@ std::optional<Breach> image_breach(const Adapter& adapter, const Settings& setti
     const auto apart_m = distances_m(motion, other, {});
     for (std::size_t n = 0; n < apart_m.size(); ++n) moved_m[n] = std::max(moved_m[n], apart_m[n]);
   }
+  // Rounding decides in which sub-step a tie falls.
+  const int substeps = motion.scheme && motion.scheme->soft() ? motion.scheme->soft()->substeps : 0;
+  const double tie_m = substeps > 0 ? speed_mps * motion.step_s / substeps : 0.0;
   Worst worst;
   for (const exact::Symmetry& symmetry : rigid_symmetries(motion)) {
     Scene image = motion.scene;
@@ -117,7 +120,8 @@ std::optional<Breach> image_breach(const Adapter& adapter, const Settings& setti
     double sensitive_m = 0.0;
     for (std::size_t n = 0; n < apart_m.size(); ++n) {
       sensitive_m = std::max(sensitive_m, moved_m[n]);
-      const double allowed_m = k_sensitivity * sensitive_m + k_image_share * thinnest_m(world);
+      const double allowed_m =
+          k_sensitivity * sensitive_m + k_image_share * thinnest_m(world) + tie_m;
       worst.see({"image", apart_m[n], allowed_m, "m", n, 0.0, symmetry.name});
     }
   }

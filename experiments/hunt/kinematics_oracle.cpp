@@ -28,6 +28,7 @@ double stray_m(const State& before, const State& after, double step_s) {
 // be hit by one neighbour and thrown back by the next in it, at a velocity that neither end shows.
 bool hits_within_steps(const Motion& motion) {
   if (!motion.scheme) return false;
+  if (motion.scheme->soft()) return motion.scheme->soft()->substeps > 1;
   if (motion.scheme->impulse()) return motion.scheme->impulse()->bounces_before_touch;
   return motion.scheme->sequential() != nullptr && motion.scheme->sequential()->depth_share > 0.0;
 }
