@@ -135,6 +135,7 @@ class Dynamics {
   Touch touch_of(std::size_t contact) const;
   bool bounces(std::size_t contact, const Touch& touch) const;
   double rebound_mps(std::size_t contact) const;
+  void find_first_touches();
   double left_s(std::size_t body) const { return span_s_ - flight_s_[body]; }
   double lag_mps2(std::size_t contact) const;
   double undone_share() const { return options_.overlap_recovery * span_s_ / options_.step_s; }
@@ -172,6 +173,7 @@ class Dynamics {
   std::vector<Motion> ends_;  // where the last solution brings the bodies
   std::vector<ContactPoint> late_;
   double deepest_late_m_ = 0.0;
+  std::vector<double> first_touch_s_;  // of the pair of each of problem_.contacts
   std::vector<char> bounces_;  // of problem_.contacts: a rebound of falling bodies is stated
   bool may_bounce_;
   std::shared_ptr<WorkerPool> workers_;

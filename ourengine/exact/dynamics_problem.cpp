@@ -1,6 +1,9 @@
 // The contact problem of a step: what Dynamics states, and when.
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
 
 #include "ourengine/exact/dynamics.hpp"
 
@@ -19,6 +22,10 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 // Of the step: contacts whose gaps close so soon after it close in it.
 constexpr double k_together = 1e-9;
+// Of an island's largest impulse: less is the residual of its solver.
+constexpr double k_push_share = 1e-8;
+// Of the overlap that a look sees: rounding.
+constexpr double k_rounding_share = 1e-6;
 
 }  // namespace
 
@@ -51,7 +58,24 @@ void Dynamics::state_problem() {
     }
   }
   bounces_.assign(problem_.contacts.size(), 0);
+  find_first_touches();
   for (std::size_t k = 0; k < problem_.contacts.size(); ++k) state_gap(k);
+}
+
+// When each contact's pair first touches in free motion: its other points then do not get where
+// that would bring them.
+void Dynamics::find_first_touches() {
+  first_touch_s_.assign(problem_.contacts.size(), std::numeric_limits<double>::infinity());
+  if (!may_bounce_) return;
+  std::map<std::pair<int, int>, double> first_s;
+  const auto of_pair = [&](std::size_t k) -> double& {
+    const ProblemContact& contact = problem_.contacts[k];
+    return first_s.try_emplace({contact.body_a, contact.body_b}, first_touch_s_[k]).first->second;
+  };
+  for (std::size_t k = 0; k < problem_.contacts.size(); ++k) {
+    of_pair(k) = std::min(of_pair(k), touch_of(k).time_s);
+  }
+  for (std::size_t k = 0; k < problem_.contacts.size(); ++k) first_touch_s_[k] = of_pair(k);
 }
 
 void Dynamics::state_bodies() {
@@ -151,23 +175,30 @@ bool Dynamics::falls(const Island& island) const {
   });
 }
 
-// Whether the island, which was to fall, is pushed by a fixed body without a bounce.
+// Whether the island, which was to fall, is pushed by a fixed body without a bounce. Impulses far
+// below its largest are what a solver leaves of none.
 bool Dynamics::is_held(const Island& island) const {
+  double largest_ns = 0.0;
+  for (const int c : island.contacts) {
+    largest_ns = std::max(largest_ns, solution_.impulse_ns[index(c)].norm());
+  }
   return std::ranges::any_of(island.contacts, [&](int c) {
     const ProblemContact& contact = problem_.contacts[index(c)];
     const auto a = index(contact.body_a);
     const auto b = index(contact.body_b);
     return bodies_[a].fixed != bodies_[b].fixed && falls_[bodies_[a].fixed ? b : a] != 0 &&
-           bounces_[index(c)] == 0 && !solution_.impulse_ns[index(c)].isZero(0.0);
+           bounces_[index(c)] == 0 &&
+           solution_.impulse_ns[index(c)].norm() > k_push_share * largest_ns;
   });
 }
 
 // Least normal velocity (m/s) at the end of the step of a contact that bounces: restitution times
-// the approach at touch, and what gravity and loads change until then; 0 if it does not bounce, or
-// if that is used up by then.
+// the approach at touch, and what gravity and loads change until then; 0 if it does not bounce, if
+// its pair touches elsewhere before, or if that is used up by then.
 double Dynamics::rebound_mps(std::size_t k) const {
   const Touch touch = touch_of(k);
   if (!std::isfinite(touch.time_s) || !bounces(k, touch)) return 0.0;
+  if (touch.time_s > first_touch_s_[k] + k_together * span_s_) return 0.0;
   const ProblemContact& contact = problem_.contacts[k];
   const auto a = index(contact.body_a);
   const auto b = index(contact.body_b);
@@ -204,7 +235,7 @@ void Dynamics::state_gap(std::size_t k) {
 }
 
 // When the island, which falls, first bounces; 0 if it does not, or if something in it meets
-// earlier and does not bounce.
+// earlier and does not bounce. Bodies that fall together touch, and approach as rounding has it.
 double Dynamics::bounce_time_s(const Island& island) const {
   double first_s = span_s_;
   bool any = false;
@@ -217,7 +248,11 @@ double Dynamics::bounce_time_s(const Island& island) const {
   if (!any) return 0.0;
   for (const int c : island.contacts) {
     const Touch touch = touch_of(index(c));
-    if (touch.speed_mps > 0.0 && touch.time_s < first_s) return 0.0;
+    if (!(touch.time_s < first_s)) continue;
+    const ProblemContact& contact = problem_.contacts[index(c)];
+    const double seen_m =
+        k_rounding_share * look_tolerance_m(index(contact.body_a), index(contact.body_b));
+    if (touch.speed_mps * (first_s - touch.time_s) > seen_m) return 0.0;
   }
   return first_s;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <random>
 #include <string>
 
 #include "ourengine/collision/passage.hpp"
@@ -265,6 +266,41 @@ TEST(Stepping, ContactsOfAllPartsAddUp) {
   }
   EXPECT_GT(most_parts, 1);
   EXPECT_TRUE(worst.within({"velocity (m/s)", 2e-13, 2e-14, "rounding of 100 m/s"}));
+}
+
+// Two bricks that fall on each other's faces are one of twice the height, also in the step in which
+// they bounce, wherever in it that is.
+TEST(Stepping, BricksThatFallTogetherBounceAsOne) {
+  std::mt19937_64 dice(5);
+  const auto draw = [&dice](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(dice);
+  };
+  Worst apart;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Eigen::Vector3d edges_m(0.2, 0.1, draw(0.005, 0.1));
+    const Eigen::Vector3d twice_m(edges_m.x(), edges_m.y(), 2.0 * edges_m.z());
+    const double height_m = draw(0.02, 0.2);
+    BrickScene pair = testing::dropped(edges_m, 2000.0, height_m, {});
+    testing::add_moving(pair.wall, edges_m, {0.0, 0.0, height_m + 1.5 * edges_m.z()}, 2000.0, {});
+    BrickScene one = testing::dropped(twice_m, 2000.0, height_m, {});
+    for (BrickScene* scene : {&pair, &one}) {
+      scene->gravity_mps2 = {0.0, 0.0, -std::pow(10.0, 1.0 + trial % 10 / 10.0)};
+      scene->law = {0.5, trial % 2 == 0 ? 1.0 : 0.3};
+    }
+    Dynamics two = start(pair), single = start(one);
+    const double speed_mps = std::sqrt(2.0 * height_m * pair.gravity_mps2.norm());
+    const int steps = static_cast<int>(height_m / (0.5 * speed_mps * pair.step_s)) + 2;
+    for (int k = 0; k < steps; ++k) {
+      two.step();
+      single.step();
+      apart.see((two.motions()[1].position_m.z() + 0.5 * edges_m.z() -
+                 single.motions()[1].position_m.z()) /
+                    edges_m.z(),
+                "trial " + std::to_string(trial) + ", step " + std::to_string(k));
+    }
+  }
+  EXPECT_TRUE(apart.within({"height against one brick, of an edge", 1e-7, 1e-8,
+                            "the residual of a solve, at most 1e-10 of the speed"}));
 }
 
 struct Whole {
