@@ -299,7 +299,7 @@ TEST(Stepping, BricksThatFallTogetherBounceAsOne) {
                 "trial " + std::to_string(trial) + ", step " + std::to_string(k));
     }
   }
-  EXPECT_TRUE(apart.within({"height against one brick, of an edge", 1e-7, 1e-8,
+  EXPECT_TRUE(apart.within({"height against one brick, of an edge", 5e-9, 3.4e-10,
                             "the residual of a solve, at most 1e-10 of the speed"}));
 }
 
