@@ -5,8 +5,8 @@
 
 namespace brickbench {
 
-// Judges every pair: energy distance with permutation p-values, all pairs one family under Holm's
-// procedure; two one-sided tests of the means for those that are not different.
+// Judges every pair by itself: energy distance with p-values by relabelling, equivalence of the
+// means. No verdict depends on what other pairs there are.
 void judge(Ensembles& ensembles);
 
 }  // namespace brickbench

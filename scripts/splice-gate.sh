@@ -31,7 +31,7 @@ if [ "${1:-}" = --cost ] && [ $# -eq 2 ]; then
     echo "|---|---:|---:|---:|---:|---:|"
     for suite in smoke full; do
       few=$(seconds $suite)
-      summary='s/^\([0-9]*\) numbers: .* \([0-9]*\) cells run, \([0-9]*\) spared.*/\1 \2 \3/p'
+      summary='s/^\([0-9]*\) numbers, .* \([0-9]*\) cells run, \([0-9]*\) spared.*/\1 \2 \3/p'
       read -r numbers runs spared < <(cat "$work/out" "$work/log" | sed -n "$summary")
       all=$(seconds $suite --all-starts)
       echo "| $suite | $numbers | $runs | $few | $((runs + spared)) | $all |"

@@ -62,9 +62,11 @@ std::string title(const Comparison& c) {
 std::set<std::string> undecided(const std::vector<Comparison>& comparisons) {
   std::set<std::string> groups;
   for (const Comparison& c : comparisons) {
-    // "Same within the margin" beside a small p: small samples cannot reject in a large family yet.
+    // "Same within the margin" beside a small p: small samples cannot show a difference yet.
     const bool suspicious = c.finding == Finding::fine && c.p_value < k_suspicious;
-    if (c.finding != Finding::open && !suspicious) continue;
+    // What is to become a reference wants every start.
+    const bool wants_all = c.finding == Finding::fresh && c.obtained.kind == Kind::distribution;
+    if (c.finding != Finding::open && !suspicious && !wants_all) continue;
     groups.insert(c.experiment + '|' + c.obtained.engine + '|' + c.obtained.axes + '|');
   }
   return groups;
@@ -75,10 +77,8 @@ CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalo
                   const RunCallbacks& callbacks) {
   const SeedCounts counts = seed_counts(plan);
   const Suite asked = asked_of(reference, cells);
-  std::vector<std::size_t> looks = how.all_starts ? std::vector<std::size_t>{} : how.looks;
+  std::vector<std::size_t> looks = how.all_starts ? std::vector<std::size_t>{} : how.compare.looks;
   looks.push_back(static_cast<std::size_t>(-1));
-  ComparePlan compare_plan = how.compare;
-  compare_plan.sequential.looks = looks.size();
 
   CheckResult result;
   RunResult all;
@@ -95,8 +95,8 @@ CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalo
     }
     for (const Cell& cell : batch) ++taken[group_of(cell)];
     append(all, run_cells(batch, catalogues, {machine.revision, machine.label()}, callbacks));
-    result.obtained = observe(all.rows, counts, machine);
-    result.comparisons = compare(asked, result.obtained, compare_plan, true);
+    result.obtained = counted_once(observe(all.rows, counts, machine));
+    result.comparisons = compare(asked, result.obtained, how.compare, true);
     open = undecided(result.comparisons);
     if (open.empty()) break;
   }
@@ -179,7 +179,7 @@ std::string annotations(const std::string& suite, const std::string& reference_f
 
 BlessResult bless(const Suite& reference, const Suite& obtained, const Blessing& blessing,
                   const ComparePlan& plan) {
-  BlessResult result{reference, {}};
+  BlessResult result{counted_once(reference), {}};
   for (const Comparison& c : compare(reference, obtained, plan, false)) {
     const bool reflagged =
         c.finding == Finding::flagged && c.reference.validity != c.obtained.validity;

@@ -18,15 +18,14 @@ struct CheckResult {
 };
 
 struct CheckPlan {
+  // After each look of it an ensemble all of whose numbers are decided is done: identical, same or
+  // different.
   ComparePlan compare;
-  // Sizes of the growing samples; the last is always that of the plan. After each look an ensemble
-  // all of whose numbers are decided is done: identical, same or different.
-  std::vector<std::size_t> looks = {8, 16};
-  bool all_starts = false;  // run everything: for new references
+  bool all_starts = false;  // run everything at once: for new references
 };
 
 // The ensembles, as "experiment|engine|axes|", with a number that is neither identical, nor same,
-// nor different yet: those that the next look adds starts to.
+// nor different yet, or that has no reference: those that the next look adds starts to.
 std::set<std::string> undecided(const std::vector<Comparison>& comparisons);
 
 CheckResult check(const Plan& plan, const std::vector<Cell>& cells, const Catalogues& catalogues,

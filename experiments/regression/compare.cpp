@@ -4,16 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <map>
 
 #include "adapters/seam/unit.hpp"
+#include "experiments/statistics/measurement.hpp"
 
 namespace brickbench::gate {
 namespace {
-
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 Trend trend_of(const Comparison& c) {
   if (c.finding != Finding::deviation || c.difference == 0.0) return Trend::none;
@@ -74,6 +71,47 @@ void common(const Record& reference, const Record& obtained, std::vector<double>
   }
 }
 
+std::string runs_text(std::size_t more) {
+  constexpr std::size_t k_nobody_runs = 10000;
+  return more > k_nobody_runs ? fmt::format("over {}", k_nobody_runs) : fmt::format("{}", more);
+}
+
+// "some/variant 0.31 m, the reference 0.29 m (means of 24 starts), p = 1.2e-06, threshold 8.3e-06".
+std::string both_means(const Comparison& c, std::size_t starts) {
+  const std::string unit = unit_suffix(c.reference.unit);
+  return fmt::format(
+      "{} has {:.6g}{}, its reference {:.6g}{} (means of {} starts); p = {:.2g}, "
+      "threshold {:.2g}",
+      c.obtained.engine, c.obtained_value, unit, c.reference_value, unit, starts, c.p_value,
+      c.bound);
+}
+
+void tell_sample(Comparison& c, const statistics::Look& look, std::size_t starts) {
+  const std::string within =
+      fmt::format("within {:.3g}{}", c.reference.margin, unit_suffix(c.reference.unit));
+  switch (look.verdict) {
+    case statistics::Verdict::identical:
+      c.message = fmt::format("identical in {} starts", starts);
+      return;
+    case statistics::Verdict::same:
+      c.message = fmt::format("same {}: {}", within, both_means(c, starts));
+      return;
+    case statistics::Verdict::different:
+      c.finding = Finding::deviation;
+      c.factor = c.bound / c.p_value;
+      c.message = "another distribution: " + both_means(c, starts);
+      return;
+    case statistics::Verdict::not_enough_runs:
+      c.finding = Finding::open;
+      c.message = fmt::format(
+          "open: {}. A difference of this size would be shown by {} more starts, 'same {}' by {} "
+          "more",
+          both_means(c, starts), runs_text(look.more_for_difference), within,
+          runs_text(look.more_for_same));
+      return;
+  }
+}
+
 void judge_sample(Comparison& c, const ComparePlan& plan) {
   std::vector<double> a, b;
   common(c.reference, c.obtained, a, b);
@@ -82,52 +120,15 @@ void judge_sample(Comparison& c, const ComparePlan& plan) {
     c.message = "fewer than two starts in common with the reference";
     return;
   }
-  c.reference_value = mean(a);
-  c.obtained_value = mean(b);
+  c.reference_value = statistics::moments(a).mean;
+  c.obtained_value = statistics::moments(b).mean;
   c.difference = c.obtained_value - c.reference_value;
-  const double margin = std::max(c.reference.margin, 1e-300);
-  const Look look = look_at(a, b, margin, plan.sequential);
-  c.identical = look.verdict == Verdict::identical;
-  c.p_value = c.identical ? 1.0 : look.test.p_value;
-  if (c.identical) {
-    c.message = fmt::format("identical in {} starts", a.size());
-  } else if (look.mean.equivalent) {
-    c.message = fmt::format("same within {:.3g}{} ({} starts)", margin,
-                            unit_suffix(c.reference.unit), a.size());
-  } else {
-    const std::size_t needed = look.mean.runs_needed;
-    c.finding = Finding::open;
-    c.message = fmt::format(
-        "no difference found in {} starts (p = {:.3g}), but not enough for 'same within {:.3g}"
-        "{}': "
-        "{} more needed",
-        a.size(), c.p_value, margin, unit_suffix(c.reference.unit),
-        needed > a.size() ? needed - a.size() : std::size_t{1});
-  }
-}
-
-bool is_sample(const Comparison& c) {
-  return c.finding != Finding::fresh && c.reference.kind == Kind::distribution &&
-         c.obtained.kind == Kind::distribution && c.reference.outcome == "ok" &&
-         c.obtained.outcome == "ok";
-}
-
-bool is_identical(const Record& reference, const Record& obtained) {
-  std::vector<double> a, b;
-  common(reference, obtained, a, b);
-  return a == b;
-}
-
-// The smallest p-value must be able to reject in the family that there is.
-ComparePlan for_family(const std::vector<Comparison>& all, const ComparePlan& plan) {
-  const auto tests = std::ranges::count_if(all, [](const Comparison& c) {
-    return is_sample(c) && !is_identical(c.reference, c.obtained);
-  });
-  const double level = plan.alpha / static_cast<double>(plan.sequential.looks);
-  ComparePlan fitted = plan;
-  std::size_t& permutations = fitted.sequential.permutation.permutations;
-  permutations = relabellings_for(static_cast<std::size_t>(tests), level, permutations);
-  return fitted;
+  const statistics::LookPlan levels = look_plan(plan, c.reference.seeds.size());
+  const statistics::Look look = statistics::look_at(a, b, c.reference.margin, levels);
+  c.identical = look.verdict == statistics::Verdict::identical;
+  c.p_value = look.test.p_value;
+  c.bound = levels.level_different;
+  tell_sample(c, look, a.size());
 }
 
 std::string validity_text(const std::optional<std::string>& validity) {
@@ -172,37 +173,40 @@ void judge(Comparison& c, const ComparePlan& plan) {
   if (c.reference.kind == Kind::distribution) judge_sample(c, plan);
 }
 
-// Rejections over the family of all samples of the suite that were tested.
-void control_family(std::vector<Comparison>& all, const ComparePlan& plan) {
-  std::vector<std::size_t> tested;
-  std::vector<double> p_values;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].reference.kind != Kind::distribution || all[i].reference.outcome != "ok") continue;
-    if (all[i].finding != Finding::fine && all[i].finding != Finding::open) continue;
-    if (all[i].identical) continue;
-    tested.push_back(i);
-    p_values.push_back(all[i].p_value);
-  }
-  const double level = plan.alpha / static_cast<double>(plan.sequential.looks);
-  const std::vector<bool> rejected = holm(p_values, level);
-  for (std::size_t k = 0; k < tested.size(); ++k) {
-    if (!rejected[k]) continue;
-    Comparison& c = all[tested[k]];
-    c.finding = Finding::deviation;
-    c.bound = level / static_cast<double>(tested.size());
-    c.factor = c.bound / c.p_value;
-    c.message = fmt::format(
-        "not the distribution of the reference: mean {:.6g} instead of {:.6g}{}, p = {:.2g} in a "
-        "family of {} tests",
-        c.obtained_value, c.reference_value, unit_suffix(c.reference.unit), c.p_value,
-        tested.size());
-  }
-}
-
 }  // namespace
 
-std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
+statistics::LookPlan look_plan(const ComparePlan& plan, std::size_t starts) {
+  const auto before_last =
+      std::ranges::count_if(plan.looks, [&](std::size_t look) { return look < starts; });
+  const double looks = 1.0 + static_cast<double>(before_last);
+  statistics::LookPlan levels;
+  levels.level_different =
+      std::max(plan.alpha_different / looks, statistics::least_p(starts, starts));
+  levels.level_same = plan.alpha_same / looks;
+  levels.permutation = plan.permutation;
+  levels.permutation.permutations =
+      statistics::relabellings_for(levels.level_different, plan.permutation.permutations);
+  return levels;
+}
+
+Suite counted_once(const Suite& suite) {
+  Suite kept;
+  for (const Suite::Experiment& experiment : suite.experiments) {
+    std::map<std::string, std::vector<std::string>> names;
+    for (const Record& r : experiment.records) names[r.engine + '|' + r.axes].push_back(r.metric);
+    kept.experiments.push_back({experiment.name, {}});
+    for (const Record& r : experiment.records) {
+      if (!statistics::counts_once(r.metric, names.at(r.engine + '|' + r.axes))) continue;
+      kept.experiments.back().records.push_back(r);
+    }
+  }
+  return kept;
+}
+
+std::vector<Comparison> compare(const Suite& references, const Suite& numbers,
                                 const ComparePlan& plan, bool complete) {
+  const Suite reference = counted_once(references);
+  const Suite obtained = counted_once(numbers);
   std::vector<Comparison> all;
   for (const Suite::Experiment& experiment : obtained.experiments) {
     for (const Record& record : experiment.records) {
@@ -211,6 +215,7 @@ std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
       c.obtained = record;
       if (const Record* known = reference.find(experiment.name, record.key())) {
         c.reference = *known;
+        judge(c, plan);
       } else {
         c.reference = record;
         c.finding = Finding::fresh;
@@ -218,10 +223,6 @@ std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
       }
       all.push_back(std::move(c));
     }
-  }
-  const ComparePlan fitted = for_family(all, plan);
-  for (Comparison& c : all) {
-    if (c.finding != Finding::fresh) judge(c, fitted);
   }
   for (const Suite::Experiment& experiment : reference.experiments) {
     for (const Record& record : experiment.records) {
@@ -234,7 +235,6 @@ std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
       all.push_back(std::move(c));
     }
   }
-  control_family(all, plan);
   for (Comparison& c : all) c.trend = trend_of(c);
   std::ranges::stable_sort(all, [](const Comparison& a, const Comparison& b) {
     if (is_red(a) != is_red(b)) return is_red(a);

@@ -1,8 +1,8 @@
 // Compares what was obtained with the references: one finding per record, worst first.
 #pragma once
 
-#include "experiments/regression/equivalence.hpp"
 #include "experiments/regression/reference.hpp"
+#include "experiments/statistics/equivalence.hpp"
 
 namespace brickbench::gate {
 
@@ -28,22 +28,38 @@ struct Comparison {
   double reference_value = 0.0;  // for distributions the mean
   double obtained_value = 0.0;
   double difference = 0.0;
-  double bound = 0.0;   // of |difference|; for distributions the level of p
+  double bound = 0.0;   // of |difference|; for distributions the threshold of p
   double factor = 0.0;  // how many times over the bound; for p-values bound / p
   double p_value = 1.0;
   bool identical = false;  // a distribution, bit for bit, start by start
   std::string message;     // one sentence with all of the above
 };
 
+// Levels of the questions about distributions. Each number of each experiment, engine and step is a
+// family of its own, so that no verdict depends on what else was run.
 struct ComparePlan {
-  double alpha = 0.01;  // chance of any false "different" in the whole suite
-  SequentialPlan sequential;
+  // Chance of a false "different" in one number, over all looks: a suite of 400 numbers raises a
+  // false alarm in at most 1 % of the checks. Of references with 8 or 9 starts it is the least that
+  // they can show, that of ranges which do not overlap.
+  double alpha_different = 2.5e-5;
+  double alpha_same = 0.05;  // chance of a false "same" in one number, over all looks
+  // Sizes of the growing samples before the last, which is that of the reference. Each look spends
+  // an equal share of both alphas, so that the chances hold however early one stops (Bonferroni
+  // over the looks: safe under any dependence between them).
+  std::vector<std::size_t> looks = {8, 16};
+  statistics::PermutationPlan permutation = {};
 };
 
-// All samples of the suite that are not identical stand in one family (Holm): what did not change
-// by a bit cannot be rejected, and whether it did is decided by the change and not by chance. So
-// many relabellings are drawn that the smallest p-value can reject in that family. `complete`:
-// everything that the references hold was to be obtained, so that what is missing is a failure.
+// The levels of one look at samples of which the reference has `starts`; relabellings are so many
+// that p can get below them.
+statistics::LookPlan look_plan(const ComparePlan& plan, std::size_t starts);
+
+// Without the shares of numbers that are there as counts of the same engine and axes
+// (statistics::is_share_of): one measurement, told once.
+Suite counted_once(const Suite& suite);
+
+// `complete`: everything that the references hold was to be obtained, so that what is missing is a
+// failure. Both are taken counted_once().
 std::vector<Comparison> compare(const Suite& reference, const Suite& obtained,
                                 const ComparePlan& plan, bool complete);
 

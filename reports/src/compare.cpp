@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "experiments/statistics/bootstrap.hpp"
 #include "reports/src/flags.hpp"
 #include "reports/src/replay_source.hpp"
 #include "reports/src/scene_names.hpp"
@@ -124,6 +125,11 @@ std::optional<double> median(const std::vector<double>& sorted) {
   return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
 }
 
+std::optional<double> mean(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  return statistics::moments(values).mean;
+}
+
 double half_range(const std::vector<double>& sorted) {
   return sorted.empty() ? 0.0 : 0.5 * (sorted.back() - sorted.front());
 }
@@ -147,8 +153,8 @@ std::optional<Change> change_between(const std::string& number, const Values& a,
   change.engine = b.engine;
   change.number = number;
   change.unit = b.unit;
-  change.before = median(a.values);
-  change.after = median(b.values);
+  change.before = mean(a.values);
+  change.after = mean(b.values);
   if (a.values.size() != b.values.size() || !same_kinds) {
     change.kind = ChangeKind::outcome;
     change.relative = std::numeric_limits<double>::infinity();

@@ -28,7 +28,7 @@ struct Change {
   std::string number;
   std::string unit;
   ChangeKind kind = ChangeKind::beyond_noise;
-  std::optional<double> before;  // median over the seeds
+  std::optional<double> before;  // mean over the seeds; of timings the median
   std::optional<double> after;
   double relative = 0.0;  // |after - before| / max(|before|, |after|); infinite for outcomes
   double noise = 0.0;     // half the wider range over the seeds, over the same scale

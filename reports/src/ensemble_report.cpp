@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <string_view>
 
 #include "experiments/record/schema.hpp"
+#include "experiments/statistics/bootstrap.hpp"
+#include "reports/src/ensemble_words.hpp"
 #include "reports/src/html_sections.hpp"
 #include "reports/src/markup.hpp"
 #include "reports/src/summary.hpp"
@@ -21,43 +22,7 @@ constexpr std::size_t k_full_fans = 3;
 constexpr std::array<std::string_view, 3> k_first_curves = {"kinetic_energy_j", "penetration_m",
                                                             "displaced_count"};
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
-
-bool is_worse(const EnsemblePair& pair) {
-  return pair.better == "lower" ? pair.verdict.difference > 0.0
-                                : pair.better == "higher" && pair.verdict.difference < 0.0;
-}
-
-// Beyond some number nobody runs them: the margin is too small for the spread.
-std::string runs_wanted(std::size_t more) {
-  constexpr std::size_t most = 10000;
-  return more > most ? fmt::format("over {}", most) : fmt::format("{}", more);
-}
-
-std::string word(const EnsemblePair& pair) {
-  const EnsembleVerdict& v = pair.verdict;
-  switch (v.word) {
-    case EnsembleWord::untested:
-      return "not tested";
-    case EnsembleWord::identical:
-      return "identical";
-    case EnsembleWord::same:
-      return "same within " + percent(k_equivalence_share);
-    case EnsembleWord::different:
-      return pair.better == "neither" || v.difference == 0.0 ? "different"
-             : is_worse(pair)                                ? "different, worse"
-                                                             : "different, better";
-    case EnsembleWord::not_enough_runs:
-      return v.margin > 0.0
-                 ? fmt::format("not enough runs: {} more needed", runs_wanted(v.more_runs))
-                 : "no difference found; no margin, for the reference's mean is zero";
-  }
-  return "";
-}
+double mean(const StartSample& sample) { return statistics::moments(sample.values).mean; }
 
 std::string runs_text(const StartSample& sample) {
   return sample.without_value == 0 ? fmt::format("{}", sample.values.size())
@@ -178,32 +143,35 @@ std::vector<std::string> ensemble_headline(const Ensembles& ensembles) {
   std::array<std::size_t, 5> counts{};
   std::size_t fewest = SIZE_MAX;
   std::size_t most = 0;
-  std::size_t more = 0;
   std::size_t without = 0;
   for (const EnsemblePair& pair : ensembles.pairs) {
     ++counts[static_cast<std::size_t>(pair.verdict.word)];
     fewest = std::min({fewest, pair.reference.values.size(), pair.judged.values.size()});
     most = std::max({most, pair.reference.values.size(), pair.judged.values.size()});
-    more = std::max(more, pair.verdict.more_runs);
     without += pair.reference.without_value + pair.judged.without_value;
   }
   const auto count = [&](EnsembleWord w) { return counts[static_cast<std::size_t>(w)]; };
-  std::string open = fmt::format("{} not enough runs", count(EnsembleWord::not_enough_runs));
-  if (more > 0)
-    open += fmt::format(" ({} more needed)", (more > 10000 ? "" : "up to ") + runs_wanted(more));
+  const std::size_t asked = ensembles.pairs.size() - count(EnsembleWord::identical);
   std::vector<std::string> lines = {
-      fmt::format("{} pairs of ensembles: {} different, {} same within {}, {}, {} identical.",
+      fmt::format("{} pairs of ensembles: {} different, {} same within {}, {} open, {} identical.",
                   ensembles.pairs.size(), count(EnsembleWord::different), count(EnsembleWord::same),
-                  percent(k_equivalence_share), open, count(EnsembleWord::identical)),
-      fmt::format("Each rests on {} runs per side, from perturbed starts.",
-                  fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most)),
+                  percent_text(k_equivalence_share), count(EnsembleWord::not_enough_runs),
+                  count(EnsembleWord::identical)),
       fmt::format(
-          "Different: energy distance of the two samples, p by permutation, all pairs in "
-          "one family at {} (Holm). Same: the interval of the difference of the means, at "
-          "{}, lies within {} of the reference's mean (two one-sided tests). Neither shown: "
-          "not enough runs.",
-          percent(k_alpha_different), percent(1.0 - 2.0 * k_alpha_same),
-          percent(k_equivalence_share))};
+          "Each rests on {} runs per side, from perturbed starts. Numbers are means over the "
+          "starts, with {} bootstrap intervals in brackets.",
+          fewest == most ? fmt::format("{}", most) : fmt::format("{} to {}", fewest, most),
+          percent_text(statistics::k_interval_level)),
+      fmt::format(
+          "Each number of each scene and pair is a question of its own, so no verdict depends on "
+          "what "
+          "else was run. Different: energy distance of the two samples, p by relabelling (all "
+          "relabellings of small samples), at {}: chance alone would call about {:.2g} of these {} "
+          "different. Same: the {} bootstrap interval of the difference of the means lies within "
+          "{} "
+          "of the reference's mean. Open: neither was shown.",
+          percent_text(k_alpha_different), k_alpha_different * static_cast<double>(asked), asked,
+          percent_text(1.0 - 2.0 * k_alpha_same), percent_text(k_equivalence_share))};
   if (without > 0) {
     lines.push_back(fmt::format(
         "{} values are missing, because runs ended early or the number is not finite: the verdicts "
@@ -214,31 +182,35 @@ std::vector<std::string> ensemble_headline(const Ensembles& ensembles) {
 }
 
 Table ensemble_table(const Ensembles& ensembles) {
-  // Columns that say the same in every row stay away.
-  bool engines = false;
-  bool scenes = false;
-  for (const EnsemblePair& pair : ensembles.pairs) {
-    engines = engines || pair.subject.empty();
-    scenes = scenes || pair.scene != ensembles.pairs.front().scene;
-  }
+  // A column that says the same in every row stays away.
+  const bool scenes = std::ranges::any_of(ensembles.pairs, [&](const EnsemblePair& pair) {
+    return pair.scene != ensembles.pairs.front().scene;
+  });
   Table table;
-  table.header = {"judged", "verdict", "number", "was", "is", "difference", "p", "runs"};
-  if (engines) table.header.insert(table.header.begin() + 1, "against");
+  table.header = {"judged",
+                  "against",
+                  "verdict",
+                  "number",
+                  "mean of judged",
+                  "mean of against",
+                  "difference of means",
+                  "p",
+                  "runs"};
   if (scenes) table.header.emplace_back("scene");
   for (const EnsemblePair* pair : ranked(ensembles)) {
     const EnsembleVerdict& v = pair->verdict;
     if (v.word == EnsembleWord::identical) continue;
-    const bool bad = v.word == EnsembleWord::different && is_worse(*pair);
-    std::vector<TableCell> row = {{pair->subject.empty() ? pair->judged.label : pair->subject},
-                                  {word(*pair), bad ? Mark::worst : Mark::plain},
-                                  {pair->number},
-                                  {short_number(mean(pair->reference.values))},
-                                  {short_number(mean(pair->judged.values))},
-                                  {fmt::format("{} [{} .. {}]", short_number(v.difference),
-                                               short_number(v.low), short_number(v.high))},
-                                  {fmt::format("{:.2g}", v.p_value)},
-                                  {runs_text(pair->judged) + " / " + runs_text(pair->reference)}};
-    if (engines) row.insert(row.begin() + 1, {pair->reference.label});
+    std::vector<TableCell> row = {
+        {name_of(*pair, pair->judged)},
+        {name_of(*pair, pair->reference)},
+        {verdict_sentence(*pair), is_worse(*pair) ? Mark::worst : Mark::plain},
+        {pair->number},
+        {mean_text(pair->judged)},
+        {mean_text(pair->reference)},
+        {fmt::format("{} [{} .. {}]", short_number(v.difference), short_number(v.low),
+                     short_number(v.high))},
+        {fmt::format("{:.2g}", v.p_value)},
+        {runs_text(pair->judged) + " / " + runs_text(pair->reference)}};
     if (scenes) row.push_back({pair->scene});
     table.rows.push_back(std::move(row));
   }
@@ -266,8 +238,8 @@ std::vector<Figure> distribution_figures(const Ensembles& ensembles, Palette& pa
       figure = std::prev(figures.end());
     }
     figure->curves.push_back(staircase(pair->judged, palette));
-    figure->caption += fmt::format("{}{}: {} (p = {:.2g}).", figure->caption.empty() ? "" : " ",
-                                   pair->judged.label, word(*pair), pair->verdict.p_value);
+    figure->caption += fmt::format("{}{} (p = {:.2g}).", figure->caption.empty() ? "" : " ",
+                                   verdict_sentence(*pair), pair->verdict.p_value);
   }
   return figures;
 }
@@ -311,20 +283,27 @@ std::vector<Figure> ensemble_figures(const Ensembles& ensembles, Palette& palett
 
 std::string ensemble_verdicts_csv(const Ensembles& ensembles) {
   std::string out =
-      "scene,subject,judged,reference,number,unit,better,mean,reference_mean,difference,low,high,"
-      "margin,p_value,runs,reference_runs,without_value,reference_without_value,more_runs,"
-      "verdict\n";
+      "scene,subject,judged,reference,number,unit,better,mean,mean_low,mean_high,reference_mean,"
+      "reference_mean_low,reference_mean_high,difference,low,high,margin,p_value,p_threshold,runs,"
+      "reference_runs,without_value,reference_without_value,more_runs_for_difference,"
+      "more_runs_for_same,verdict,sentence\n";
   for (const EnsemblePair* pair : ranked(ensembles)) {
     const EnsembleVerdict& v = pair->verdict;
     for (const std::string* text : {&pair->scene, &pair->subject, &pair->judged.label,
                                     &pair->reference.label, &pair->number, &pair->unit})
       out += csv_text(*text) + ',';
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(pair->better),
-                       shortest(mean(pair->judged.values)), shortest(mean(pair->reference.values)),
-                       shortest(v.difference), shortest(v.low), shortest(v.high),
-                       shortest(v.margin), shortest(v.p_value), pair->judged.values.size(),
+    out += csv_text(pair->better);
+    for (const StartSample* sample : {&pair->judged, &pair->reference}) {
+      const statistics::Interval interval = statistics::mean_interval(sample->values);
+      for (const double value : {mean(*sample), interval.low, interval.high})
+        out += ',' + shortest(value);
+    }
+    for (const double value : {v.difference, v.low, v.high, v.margin, v.p_value, k_alpha_different})
+      out += ',' + shortest(value);
+    out += fmt::format(",{},{},{},{},{},{},{},{}\n", pair->judged.values.size(),
                        pair->reference.values.size(), pair->judged.without_value,
-                       pair->reference.without_value, v.more_runs, csv_text(word(*pair)));
+                       pair->reference.without_value, v.more_for_difference, v.more_for_same,
+                       to_word(v.word), csv_text(verdict_sentence(*pair)));
   }
   return out;
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "experiments/statistics/measurement.hpp"
 #include "reports/src/replay_source.hpp"
 #include "reports/src/scene_names.hpp"
 #include "reports/src/summary.hpp"
@@ -71,6 +72,11 @@ std::vector<NumberSample> samples_of(const ReportSource& source, const SceneName
   }
   std::erase_if(samples,
                 [](const NumberSample& s) { return s.sample.values.size() < k_least_starts; });
+  std::map<Group, std::vector<std::string>> names_of;
+  for (const NumberSample& s : samples) names_of[s.what.group].push_back(s.what.name);
+  std::erase_if(samples, [&](const NumberSample& s) {
+    return !statistics::counts_once(s.what.name, names_of.at(s.what.group));
+  });
   for (NumberSample& sample : samples) sort_by_start(sample.sample);
   return samples;
 }

@@ -14,7 +14,8 @@ namespace brickbench {
 inline constexpr std::size_t k_least_starts = 8;
 // Means are the same where they differ by less than this share of the reference's mean.
 inline constexpr double k_equivalence_share = 0.05;
-// Chance of any false "different" in all pairs together, and of a false "same" in one.
+// Chance of a false "different", and of a false "same", in one number of one pair: each is a family
+// of its own.
 inline constexpr double k_alpha_different = 0.01;
 inline constexpr double k_alpha_same = 0.05;
 
@@ -22,12 +23,15 @@ enum class EnsembleWord { untested, identical, same, different, not_enough_runs 
 
 struct EnsembleVerdict {
   EnsembleWord word = EnsembleWord::untested;
-  double p_value = 1.0;     // of one distribution, before the family is accounted for
+  double p_value = 1.0;     // of one distribution
   double difference = 0.0;  // of the means, judged minus reference
   double low = 0.0;         // interval of the difference that the equivalence rests on
   double high = 0.0;
-  double margin = 0.0;        // of equivalence, in the unit of the values; 0: none can be stated
-  std::size_t more_runs = 0;  // with not_enough_runs: of each of the two
+  double margin = 0.0;  // of equivalence, in the unit of the values; 0: none can be stated
+  // With not_enough_runs: of each of the two, to show a difference of the size seen, and to show
+  // that there is none beyond the margin.
+  std::size_t more_for_difference = 0;
+  std::size_t more_for_same = 0;
 };
 
 // The valid, finite values of one ensemble, in order of their starts.
@@ -75,6 +79,9 @@ struct Ensembles {
 // Sample quantiles in statistical packages, American Statistician 50, 1996, definition 7).
 double quantile(const std::vector<double>& sorted, double probability);
 
+// Shares of numbers that are there as counts (statistics::is_share_of) are left out: one
+// measurement is judged once.
+//
 // The engines of one folder against one of them: `reference` by label, or the first of each scene
 // if it is empty or was not run there. Ensembles of fewer than k_least_starts are left out.
 Ensembles ensembles_within(const ReportSource& source, const std::string& reference);

@@ -241,7 +241,7 @@ std::vector<Figure> figures_against_step(const ReportSource& source, Palette& pa
         if (!score.is_valid()) continue;
         Curve& curve = curve_of(figure, label, palette);
         curve.x.push_back(block.step_s);
-        curve.y.push_back(*score.median);
+        curve.y.push_back(*score.mean);
         curve.low.push_back(score.lowest);
         curve.high.push_back(score.highest);
       }
@@ -299,7 +299,7 @@ std::vector<Figure> figures_against_cost(const ReportSource& source, Palette& pa
       std::ranges::sort(cost->second);
       Curve& curve = curve_of(figure, label, palette);
       curve.x.push_back(cost->second[cost->second.size() / 2]);
-      curve.y.push_back(*block.scores[c][n].median);
+      curve.y.push_back(*block.scores[c][n].mean);
     }
   }
   std::erase_if(figures, [](const Figure& figure) { return !any_positive(figure); });

@@ -14,9 +14,9 @@ std::optional<std::size_t> best_of(const Block& block, std::size_t n, const Belo
   std::optional<std::size_t> best;
   for (std::size_t c = 0; c < block.contenders.size(); ++c) {
     if (!block.scores[c][n].is_valid() || !belongs(block.contenders[c])) continue;
-    const auto& median = block.scores[c][n].median;
-    const double so_far = best ? *block.scores[*best][n].median : 0.0;
-    if (!best || (lower ? *median < so_far : *median > so_far)) best = c;
+    const auto& mean = block.scores[c][n].mean;
+    const double so_far = best ? *block.scores[*best][n].mean : 0.0;
+    if (!best || (lower ? *mean < so_far : *mean > so_far)) best = c;
   }
   return best;
 }
@@ -27,7 +27,7 @@ bool is_kept_by_flags(const Block& block, std::size_t n, const IsOwn& is_own) {
   bool ours = false;
   bool others = false;
   for (std::size_t c = 0; c < block.contenders.size(); ++c) {
-    if (!block.scores[c][n].median) continue;
+    if (!block.scores[c][n].mean) continue;
     (is_own(block.contenders[c]) ? ours : others) = true;
   }
   return ours && others;
@@ -71,8 +71,8 @@ LossTable losses(std::span<const Block> blocks, std::span<const std::string> own
         continue;
       }
       ++table.compared;
-      const double a = *block.scores[*ours][n].median;
-      const double b = *block.scores[*other][n].median;
+      const double a = *block.scores[*ours][n].mean;
+      const double b = *block.scores[*other][n].mean;
       if (block.numbers[n].better == "lower" ? a <= b : a >= b) continue;
       Loss loss{block.numbers[n].name,
                 scene_label(block),

@@ -122,7 +122,7 @@ std::string worst_lines(const Block& block) {
     if (!number.worst) continue;
     const Score& score = block.scores[*number.worst][n];
     out += fmt::format("- worst {}: {} with {}{}{}{}\n", number.name,
-                       block.contenders[*number.worst].label(), short_number(*score.median),
+                       block.contenders[*number.worst].label(), short_number(*score.mean),
                        unit_suffix(number.unit), score.note.empty() ? "" : ", ", score.note);
   }
   return out.empty() ? "" : out + '\n';
@@ -136,7 +136,7 @@ std::string inapplicable_lines(const Block& block) {
     for (std::size_t c = 0; c < block.contenders.size(); ++c) {
       const Score& score = block.scores[c][n];
       const bool about_number = score.outcome.starts_with("not_");
-      if (score.median || !about_number) continue;
+      if (score.mean || !about_number) continue;
       who += (who.empty() ? "" : ", ") + block.contenders[c].label();
       why = score.reason;
     }

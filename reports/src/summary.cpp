@@ -53,21 +53,26 @@ void add(Sheet& sheet, const Row& row, const std::string& knobs) {
   }
 }
 
+// Of sorted values some of which are infinite, and so without a mean: the one in the middle.
+double middle_of(const std::vector<double>& sorted) { return sorted[(sorted.size() - 1) / 2]; }
+
 void reduce(Block& block, Sheet::Values& all) {
   for (auto& [place, values] : all) {
     Score& score = block.scores[place.first][place.second];
-    if (score.median) continue;
+    if (score.mean) continue;
     std::ranges::sort(values);
-    const std::size_t middle = values.size() / 2;
-    score.median =
-        values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
     score.lowest = values.front();
     score.highest = values.back();
+    const bool finite = std::isfinite(score.lowest) && std::isfinite(score.highest);
+    score.mean = finite ? statistics::moments(values).mean : middle_of(values);
+    if (finite && values.size() >= statistics::k_least_for_interval) {
+      score.interval = statistics::mean_interval(values);
+    }
   }
 }
 
 bool is_same(const Score& a, const Score& b) {
-  return a.is_valid() && b.is_valid() && std::abs(*a.median - *b.median) <= k_rounding;
+  return a.is_valid() && b.is_valid() && std::abs(*a.mean - *b.mean) <= k_rounding;
 }
 
 // Best and worst engine of each number that has a direction and differs between engines.
@@ -79,9 +84,9 @@ void rank(Block& block) {
     std::optional<std::size_t> high;
     for (std::size_t c = 0; c < block.contenders.size(); ++c) {
       if (!block.scores[c][n].is_valid()) continue;
-      const auto& median = block.scores[c][n].median;
-      if (!low || *median < *block.scores[*low][n].median) low = c;
-      if (!high || *median > *block.scores[*high][n].median) high = c;
+      const auto& mean = block.scores[c][n].mean;
+      if (!low || *mean < *block.scores[*low][n].mean) low = c;
+      if (!high || *mean > *block.scores[*high][n].mean) high = c;
     }
     if (!low || is_same(block.scores[*low][n], block.scores[*high][n])) continue;
     number.best = number.better == "lower" ? low : high;
@@ -153,7 +158,7 @@ Table to_table(const Block& block) {
   std::vector<std::size_t> shown;
   for (std::size_t n = 0; n < block.numbers.size(); ++n) {
     const bool nowhere = std::ranges::all_of(block.scores, [&](const auto& scores) {
-      return scores[n].outcome == k_not_applicable && !scores[n].median;
+      return scores[n].outcome == k_not_applicable && !scores[n].mean;
     });
     if (!nowhere) shown.push_back(n);
   }
@@ -165,7 +170,7 @@ Table to_table(const Block& block) {
     for (const std::size_t n : shown) {
       const Score& score = block.scores[c][n];
       Mark mark = Mark::plain;
-      if (!score.median)
+      if (!score.mean)
         mark = Mark::failed;
       else if (!score.is_valid())
         mark = Mark::flagged;
@@ -188,16 +193,20 @@ std::string scene_label(const Block& block) {
 std::string short_number(double value) { return fmt::format("{:.4g}", value); }
 
 std::string score_text(const Score& score) {
-  if (!score.median) {
+  if (!score.mean) {
     return score.cells > 1 ? fmt::format("{} (0 of {})", score.outcome, score.cells)
                            : score.outcome;
   }
   const std::string mark = score.is_valid() ? "" : " !";
-  if (score.cells == 1) return short_number(*score.median) + mark;
+  if (score.cells == 1) return short_number(*score.mean) + mark;
   const std::string flagged = score.flagged > 0 ? fmt::format(", {} !", score.flagged) : "";
-  return fmt::format("{}{} [{} .. {}] ({} of {}{})", short_number(*score.median), mark,
-                     short_number(score.lowest), short_number(score.highest), score.with_value,
-                     score.cells, flagged);
+  const std::string spread =
+      score.interval
+          ? fmt::format("{:.3g} % {} .. {}", 100.0 * statistics::k_interval_level,
+                        short_number(score.interval->low), short_number(score.interval->high))
+          : fmt::format("range {} .. {}", short_number(score.lowest), short_number(score.highest));
+  return fmt::format("mean {}{}, {} ({} of {}{})", short_number(*score.mean), mark, spread,
+                     score.with_value, score.cells, flagged);
 }
 
 std::vector<std::string> flag_lines(std::span<const Block> blocks) {

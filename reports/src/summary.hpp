@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiments/record/row.hpp"
+#include "experiments/statistics/bootstrap.hpp"
 #include "reports/src/table.hpp"
 
 namespace brickbench {
@@ -15,11 +16,12 @@ namespace brickbench {
 // Differences up to this, in a number's SI unit, are rounding: nobody is better by them.
 inline constexpr double k_rounding = 1e-11;
 
-// What one engine reached in one number of a block, over all cells (seeds) of it. Median, lowest
-// and highest are of the cells with a valid value; where every value is flagged they are of those,
-// for show.
+// What one engine reached in one number of a block, over all cells (seeds) of it: the mean, with
+// its bootstrap interval where statistics::k_least_for_interval cells are at hand. They are of the
+// cells with a valid value; where every value is flagged they are of those, for show.
 struct Score {
-  std::optional<double> median;
+  std::optional<double> mean;
+  std::optional<statistics::Interval> interval;  // of the mean, at statistics::k_interval_level
   double lowest = 0.0;
   double highest = 0.0;
   std::size_t with_value = 0;  // valid
@@ -31,7 +33,7 @@ struct Score {
   std::string reason;
 
   // A number that may be ranked, averaged and compared.
-  bool is_valid() const { return median.has_value() && with_value > 0; }
+  bool is_valid() const { return mean.has_value() && with_value > 0; }
 };
 
 struct Number {
@@ -88,8 +90,9 @@ std::string scene_label(const Block& block);
 
 // Four significant digits.
 std::string short_number(double value);
-// "0.0123", "0.0123 [0.01 .. 0.02] (7 of 8)" or the outcome. A flag is a "!": "0.0123 !",
-// "0.0123 [0.01 .. 0.02] (6 of 8, 2 !)", and flag_lines() says what it means.
+// "0.0123", "mean 0.0123, 95 % 0.01 .. 0.02 (9 of 9)", "mean 0.0123, range 0.01 .. 0.02 (3 of 4)"
+// or the outcome. A flag is a "!": "0.0123 !", "mean 0.0123, range 0.01 .. 0.02 (2 of 4, 2 !)", and
+// flag_lines() says what it means.
 std::string score_text(const Score& score);
 
 // One line per flagged contender of the blocks, which are those of one scene: "! bee/v: unsolved

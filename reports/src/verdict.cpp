@@ -146,7 +146,7 @@ Table verdict_table(const ReportSource& source, const std::vector<Block>& blocks
     if (number == nullptr) continue;
     const auto n = static_cast<std::size_t>(number - block.numbers.data());
     const auto value = [&](std::size_t c) {
-      return with_unit(*block.scores[c][n].median, number->unit);
+      return with_unit(*block.scores[c][n].mean, number->unit);
     };
     const auto ours = best_of_own(block, n, own);
     table.rows.push_back(

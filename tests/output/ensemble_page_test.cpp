@@ -10,6 +10,7 @@
 
 #include "experiments/record/file.hpp"
 #include "reports/src/ensemble_report.hpp"
+#include "reports/src/ensemble_words.hpp"
 #include "reports/src/html_report.hpp"
 
 namespace brickbench::testing {
@@ -78,7 +79,8 @@ void pretend(Ensembles& ensembles) {
     v.margin = 0.25;
     v.p_value = v.difference > 5.0 ? 0.0001 : 0.4;
     v.word = v.difference > 5.0 ? EnsembleWord::different : EnsembleWord::not_enough_runs;
-    v.more_runs = v.difference > 5.0 ? 0 : 30;
+    v.more_for_difference = v.difference > 5.0 ? 0 : 30;
+    v.more_for_same = v.difference > 5.0 ? 0 : 12345;
   }
 }
 
@@ -153,6 +155,40 @@ TEST(Ensembles, DistributionsAreStaircasesFromZeroToOne) {
     EXPECT_TRUE(std::ranges::is_sorted(curve.x));
     EXPECT_TRUE(std::ranges::is_sorted(curve.y));
   }
+}
+
+TEST(Ensembles, OneMeasurementInTwoUnitsIsOnePair) {
+  auto folder = source({{"ant", 0.0}, {"bee", 1.0}}, "a=1");
+  const std::size_t count = folder.rows.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    folder.rows.push_back(folder.rows[i]);
+    folder.rows.back().metric = "rubble_height_relative";
+  }
+  const Ensembles ensembles = ensembles_within(folder, "");
+  ASSERT_EQ(ensembles.pairs.size(), 1u);
+  EXPECT_EQ(ensembles.pairs[0].number, "rubble_height_m");
+}
+
+TEST(Ensembles, VerdictsNameWhoDiffersFromWhom) {
+  Ensembles ensembles =
+      ensembles_within(source({{"ant", 0.0}, {"bee", 1.0}, {"cow", 9.0}}, "a=1"), "");
+  pretend(ensembles);
+  EXPECT_EQ(
+      verdict_sentence(ensembles.pairs[0]),
+      "open: a difference of this size would be shown by 30 more runs of each, 'same within 5 "
+      "%' by over 10000");
+  EXPECT_EQ(verdict_sentence(ensembles.pairs[1]), "different: cow/v has more than ant/v");
+  EnsemblePair pair = ensembles.pairs[1];
+  pair.better = "lower";
+  EXPECT_EQ(verdict_sentence(pair), "different: cow/v has more than ant/v (worse)");
+  pair.subject = "cow/v";
+  pair.reference.label = "before";
+  pair.judged.label = "after";
+  pair.verdict.difference = -1.0;
+  EXPECT_EQ(verdict_sentence(pair),
+            "different: cow/v in after has less than cow/v in before (better)");
+  const auto header = ensemble_table(ensembles).header;
+  EXPECT_EQ(std::ranges::count(header, "was") + std::ranges::count(header, "is"), 0);
 }
 
 TEST(Ensembles, IdenticalOnesNeedNoRowAndNoFigure) {

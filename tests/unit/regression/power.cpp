@@ -180,7 +180,7 @@ bool can_work_less(const Bench& bench) {
 void measure_faults(const Bench& bench, const std::string& engine, std::uint64_t trials,
                     std::uint64_t seed) {
   const auto indices = std::make_index_sequence<k_scenarios>();
-  const ComparePlan how{.alpha = 0.01, .sequential = {.looks = 3}};
+  const ComparePlan how;
   std::vector<Suite> sound;
   while (sound.size() < trials) sound.push_back(bench.run(scenarios(), seed + sound.size(), 1.0));
   struct Seeded {
@@ -228,8 +228,9 @@ Suite drawn(const Suite& pool, const std::vector<std::size_t>& order, std::size_
 // As check(): looks at growing samples until every number is decided.
 std::vector<Comparison> check_drawn(const Suite& pool, const std::vector<std::size_t>& order,
                                     const std::map<std::string, std::size_t>& full) {
-  const std::vector<std::size_t> looks = {8, 16, SIZE_MAX};
-  const ComparePlan how{.alpha = 0.01, .sequential = {.looks = looks.size()}};
+  const ComparePlan how;
+  std::vector<std::size_t> looks = how.looks;
+  looks.push_back(SIZE_MAX);
   std::size_t most = 0;
   for (const auto& [group, count] : full) most = std::max(most, count);
   const Suite reference = drawn(pool, order, 0, full);

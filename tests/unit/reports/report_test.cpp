@@ -64,14 +64,30 @@ TEST(Summary, RanksByDirectionAndKeepsFailures) {
   EXPECT_EQ(score_text(block.scores[3][0]), "diverged");
 }
 
-TEST(Summary, SeedsBecomeMediansWithTheirDenominator) {
+TEST(Summary, SeedsBecomeMeansWithTheirDenominator) {
   std::vector<Row> seeded;
   for (const double value : {4.0, 1.0, 2.0}) {
     seeded.push_back(row("a", "created_j", "lower", value, seeded.size() + 1));
   }
   seeded.push_back(row("a", "created_j", "lower", {}, 4));
   const auto blocks = summarize(seeded);
-  EXPECT_EQ(score_text(blocks.front().scores[0][0]), "2 [1 .. 4] (3 of 4)");
+  EXPECT_EQ(score_text(blocks.front().scores[0][0]), "mean 2.333, range 1 .. 4 (3 of 4)");
+}
+
+TEST(Summary, ManySeedsHaveAnIntervalAndAMeanThatIsNamed) {
+  std::vector<Row> seeded;
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    seeded.push_back(row("a", "created_j", "lower", static_cast<double>(seed), seed));
+  }
+  const Score score = summarize(seeded).front().scores[0][0];
+  ASSERT_TRUE(score.interval.has_value());
+  EXPECT_EQ(*score.mean, 5.0);
+  // Student's interval is 2.9 .. 7.1; the values are as far apart as can be, the bootstrap agrees
+  // to a tenth.
+  EXPECT_NEAR(score.interval->low, 2.9, 0.2);
+  EXPECT_NEAR(score.interval->high, 7.1, 0.2);
+  EXPECT_TRUE(score_text(score).starts_with("mean 5, 95 % ")) << score_text(score);
+  EXPECT_TRUE(score_text(score).ends_with(" (9 of 9)")) << score_text(score);
 }
 
 constexpr const char* k_flag = "unsolved in 31 of 240 steps from step 12";
@@ -105,15 +121,17 @@ TEST(Validity, AFlaggedNumberIsShownWithItsFlagAndNeverRanked) {
   EXPECT_EQ(block.numbers[0].worst, 0U);
 }
 
-TEST(Validity, AFlaggedSeedIsLeftOutOfTheMedianAndCounted) {
+TEST(Validity, AFlaggedSeedIsLeftOutOfTheMeanAndCounted) {
   std::vector<Row> seeded;
   for (const double value : {4.0, 1.0, 2.0, -9.0}) {
     seeded.push_back(row("a", "created_j", "lower", value, seeded.size() + 1));
   }
   seeded.back().validity = k_flag;
-  EXPECT_EQ(score_text(summarize(seeded).front().scores[0][0]), "2 [1 .. 4] (3 of 4, 1 !)");
+  EXPECT_EQ(score_text(summarize(seeded).front().scores[0][0]),
+            "mean 2.333, range 1 .. 4 (3 of 4, 1 !)");
   for (Row& r : seeded) r.validity = k_flag;
-  EXPECT_EQ(score_text(summarize(seeded).front().scores[0][0]), "1.5 ! [-9 .. 4] (0 of 4, 4 !)");
+  EXPECT_EQ(score_text(summarize(seeded).front().scores[0][0]),
+            "mean -0.5 !, range -9 .. 4 (0 of 4, 4 !)");
   EXPECT_FALSE(summarize(seeded).front().scores[0][0].is_valid());
 }
 
