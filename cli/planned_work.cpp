@@ -4,6 +4,7 @@
 
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/number_option.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/run/plan_files.hpp"
@@ -11,18 +12,34 @@
 
 namespace brickbench {
 
-void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names) {
-  verb.add_option(names, choice.plan, "Plan file, or the name of one of `list plans`")->required();
+void add_overrides(CLI::App& verb, Overrides& overrides) {
   // One value per option: CLI11 must not split or swallow lists.
-  verb.add_option("--set", choice.overrides.set,
+  verb.add_option("--set", overrides.set,
                   "key=value for every experiment, or experiment.key=value; may be repeated")
       ->expected(1)
       ->take_all();
-  verb.add_option("--engine", choice.overrides.engines,
+  const auto add_setting = [&](const std::string& name, const std::string& key,
+                               const std::string& meaning) {
+    verb.add_option_function<std::string>(
+            name,
+            [&overrides, key](const std::string& text) {
+              overrides.set.push_back(key + '=' + set_value(text));
+            },
+            meaning)
+        ->type_name("NUMBER");
+  };
+  add_setting("--step", "step_s", "Time step, s, of every experiment: 0.004 or 1/240");
+  add_setting("--duration", "duration_s", "Simulated time, s, of every experiment");
+  verb.add_option("--engine", overrides.engines,
                   "Engine selector instead of the plan's; may be repeated")
       ->expected(1)
       ->take_all();
-  verb.add_option("--only", choice.overrides.only, "Only the experiment of this name");
+  verb.add_option("--only", overrides.only, "Only the experiment of this name");
+}
+
+void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names) {
+  verb.add_option(names, choice.plan, "Plan file, or the name of one of `list plans`")->required();
+  add_overrides(verb, choice.overrides);
 }
 
 std::optional<PlannedWork> planned_work(const PlanChoice& choice,

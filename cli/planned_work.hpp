@@ -19,7 +19,10 @@ struct PlanChoice {
   Overrides overrides;
 };
 
-// The required plan, by CLI11's names for it, and the options --set, --engine and --only.
+// --set, --step, --duration, --engine and --only, which mean the same for every verb that has a
+// plan.
+void add_overrides(CLI::App& verb, Overrides& overrides);
+// The required plan, by CLI11's names for it, and add_overrides().
 void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names = "plan");
 
 struct PlannedWork {

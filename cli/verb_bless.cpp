@@ -1,9 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "adapters/seam/unit.hpp"
 #include "cli/complain.hpp"
+#include "cli/json_number.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/regression/check.hpp"
@@ -15,6 +20,7 @@ struct BlessOptions {
   std::string from;
   std::string reference = "reference_data/baseline";
   std::string reason;
+  bool json = false;
 };
 
 // A reference is replaced by a whole new file: the old one stays until the new one is on the disk.
@@ -28,21 +34,40 @@ Expected<void> replace(const std::filesystem::path& file, const std::string& tex
   return {};
 }
 
-Expected<std::size_t> bless_suite(const std::filesystem::path& from,
-                                  const std::filesystem::path& to, const gate::Blessing& blessing) {
+// What was decided before all starts of its reference were run is no reference.
+Expected<void> check_starts(const gate::BlessResult& result, const std::filesystem::path& from) {
+  for (const gate::Comparison& c : result.changed) {
+    if (c.obtained.seeds.size() >= c.reference.seeds.size()) continue;
+    return fail(
+        Fault::invalid,
+        fmt::format("{} holds {} of the {} starts of {} {}: the check was decided early. Run "
+                    "it again with --all-starts and bless that",
+                    from.string(), c.obtained.seeds.size(), c.reference.seeds.size(), c.experiment,
+                    c.obtained.engine));
+  }
+  return {};
+}
+
+void print_changed(const gate::Comparison& c) {
+  const std::string_view trend = gate::to_word(c.trend);
+  const bool fresh = c.finding == gate::Finding::fresh;
+  fmt::print("{} {} {} {}: {} -> {}{}{}\n", c.experiment, c.obtained.engine, c.obtained.axes,
+             c.obtained.metric.empty() ? "state hash" : c.obtained.metric,
+             fresh ? "none" : fmt::format("{}", c.reference_value),
+             fresh ? "new" : fmt::format("{}", c.obtained_value), unit_suffix(c.obtained.unit),
+             trend.empty() ? "" : fmt::format(" ({})", trend));
+}
+
+// The references that changed.
+Expected<std::vector<gate::Comparison>> bless_suite(const std::filesystem::path& from,
+                                                    const std::filesystem::path& to,
+                                                    const gate::Blessing& blessing) {
   const auto obtained = gate::read_suite(from);
   if (!obtained) return tl::unexpected(obtained.error());
   const auto reference = gate::read_suite(to);
   if (!reference) return tl::unexpected(reference.error());
   const gate::BlessResult result = gate::bless(*reference, *obtained, blessing, {});
-  for (const gate::Comparison& c : result.changed) {
-    const std::string_view trend = gate::to_word(c.trend);
-    fmt::print("{} {} {} {}: {} -> {}{}{}\n", c.experiment, c.obtained.engine, c.obtained.axes,
-               c.obtained.metric.empty() ? "state hash" : c.obtained.metric,
-               c.finding == gate::Finding::fresh ? "none" : fmt::format("{}", c.reference_value),
-               c.finding == gate::Finding::fresh ? "new" : fmt::format("{}", c.obtained_value),
-               unit_suffix(c.obtained.unit), trend.empty() ? "" : fmt::format(" ({})", trend));
-  }
+  if (auto ok = check_starts(result, from); !ok) return tl::unexpected(ok.error());
   std::error_code error;
   std::filesystem::create_directories(to, error);
   if (error) return fail(Fault::crashed, to.string() + ": " + error.message());
@@ -53,7 +78,28 @@ Expected<std::size_t> bless_suite(const std::filesystem::path& from,
     const auto written = replace(to / (experiment.name + ".json"), gate::to_text(experiment));
     if (!written) return tl::unexpected(written.error());
   }
-  return result.changed.size();
+  return result.changed;
+}
+
+void print_result(const std::vector<gate::Comparison>& changed, bool as_json) {
+  if (!as_json) {
+    std::ranges::for_each(changed, print_changed);
+    fmt::print("{} references changed. Commit them with the change that caused them.\n",
+               changed.size());
+    return;
+  }
+  auto records = nlohmann::ordered_json::array();
+  for (const gate::Comparison& c : changed) {
+    const bool fresh = c.finding == gate::Finding::fresh;
+    records.push_back(
+        {{"id", c.experiment + '|' + c.obtained.key()},
+         {"unit", c.obtained.unit},
+         {"before", fresh ? json_number(std::nan("")) : json_number(c.reference_value)},
+         {"after", fresh ? json_number(std::nan("")) : json_number(c.obtained_value)},
+         {"is_new", fresh},
+         {"trend", gate::to_word(c.trend)}});
+  }
+  fmt::print("{}\n", records.dump(2));
 }
 
 int bless(const BlessOptions& options) {
@@ -76,14 +122,14 @@ int bless(const BlessOptions& options) {
   const gate::Blessing blessing{options.reason, now_utc(), machine.revision, machine.label(),
                                 machine.compiler};
   std::size_t suites = 0;
-  std::size_t changed = 0;
+  std::vector<gate::Comparison> changed;
   for (const auto& entry : std::filesystem::directory_iterator(options.from)) {
     if (!entry.is_directory()) continue;
     const auto suite = entry.path().filename();
-    const auto count =
+    auto blessed =
         bless_suite(entry.path(), std::filesystem::path(options.reference) / suite, blessing);
-    if (!count) return complain(count.error());
-    changed += *count;
+    if (!blessed) return complain(blessed.error());
+    std::ranges::move(*blessed, std::back_inserter(changed));
     ++suites;
   }
   if (suites == 0) {
@@ -93,7 +139,7 @@ int bless(const BlessOptions& options) {
                     options.from),
         k_exit_bad_input);
   }
-  fmt::print("{} references changed. Commit them with the change that caused them.\n", changed);
+  print_result(changed, options.json);
   return k_exit_fine;
 }
 
@@ -106,6 +152,7 @@ void add_bless_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("--reason", options->reason, "Why the new numbers are right")->required();
   verb->add_option("--reference", options->reference,
                    "Folder of the references; default reference_data/baseline");
+  verb->add_flag("--json", options->json, "What changed as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = bless(*options); });
 }
 

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "cli/build_facts.hpp"
+#include "cli/check_output.hpp"
 #include "cli/complain.hpp"
-#include "cli/json_number.hpp"
+#include "cli/planned_work.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
@@ -15,8 +14,6 @@
 
 namespace brickbench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct CheckOptions {
   std::string suite = "smoke";
@@ -35,60 +32,6 @@ std::filesystem::path next_obtained(const std::string& suite) {
     const std::filesystem::path folder = fmt::format("obtained/{}-{:03}", suite, n);
     if (!std::filesystem::exists(folder)) return folder;
   }
-}
-
-Json comparison_json(const std::string& command, const gate::Comparison& c) {
-  return {{"id", c.experiment + '|' + c.obtained.key()},
-          {"experiment", c.experiment},
-          {"engine", c.obtained.engine},
-          {"axes", c.obtained.axes},
-          {"metric", c.obtained.metric},
-          {"unit", c.obtained.unit},
-          {"kind", gate::to_word(c.reference.kind)},
-          {"finding", gate::to_word(c.finding)},
-          {"trend", gate::to_word(c.trend)},
-          {"reference", json_number(c.reference_value)},
-          {"got", json_number(c.obtained_value)},
-          {"difference", json_number(c.difference)},
-          {"bound", json_number(c.bound)},
-          {"factor_over", json_number(c.factor)},
-          {"p_value", json_number(c.p_value)},
-          {"validity", c.obtained.validity.value_or("")},
-          {"starts", c.obtained.seeds.size()},
-          {"message", c.message},
-          {"reproduce", gate::reproduce(command, c)}};
-}
-
-std::size_t count(const gate::CheckResult& result, gate::Finding finding) {
-  return static_cast<std::size_t>(
-      std::ranges::count(result.comparisons, finding, &gate::Comparison::finding));
-}
-
-void print_text(const gate::CheckResult& result, std::size_t worst, const std::string& folder) {
-  using gate::Finding;
-  std::size_t shown = 0;
-  for (const gate::Comparison& c : result.comparisons) {
-    if (!gate::is_red(c) || shown++ >= worst) break;
-    const std::string_view trend = gate::to_word(c.trend);
-    fmt::print("{} {} {} {}{}\n    {}\n    {}\n", gate::to_word(c.finding), c.experiment,
-               c.obtained.engine, c.obtained.metric.empty() ? "state hash" : c.obtained.metric,
-               trend.empty() ? "" : fmt::format(" ({})", trend), c.message,
-               gate::reproduce(result.command, c));
-  }
-  for (const gate::Comparison& c : result.comparisons) {
-    if (c.finding != Finding::open) continue;
-    fmt::print("open {} {} {}: {}\n", c.experiment, c.obtained.engine, c.obtained.metric,
-               c.message);
-  }
-  fmt::print(
-      "{} numbers, {} compared: {} fine, {} open, {} deviate. Not compared: {} flagged, {} without "
-      "a number on either side, {} hashes of another platform, {} without reference, {} missing. "
-      "{} cells run, {} spared.\nObtained: {}\n",
-      result.comparisons.size(), std::ranges::count_if(result.comparisons, gate::is_compared),
-      count(result, Finding::fine), count(result, Finding::open), count(result, Finding::deviation),
-      count(result, Finding::flagged), count(result, Finding::no_number),
-      count(result, Finding::not_comparable), count(result, Finding::fresh),
-      count(result, Finding::missing), result.cells.size(), result.cells_spared, folder);
 }
 
 gate::CheckResult check_with_progress(const Plan& plan, const std::vector<Cell>& cells,
@@ -135,6 +78,11 @@ int check(CheckOptions options) {
   const std::filesystem::path reference_folder = std::filesystem::path(options.reference) / suite;
   const auto reference = gate::read_suite(reference_folder);
   if (!reference) return complain(reference.error());
+  const bool is_first = !std::filesystem::is_directory(reference_folder);
+  if (is_first) {
+    fmt::print(stderr, "brickbench: no references in {}: nothing to compare with yet\n",
+               reference_folder.string());
+  }
 
   for (const std::string& out : {options.obtained, options.junit}) {
     if (auto ok = check_is_new(out); !ok) return complain(ok.error());
@@ -162,20 +110,11 @@ int check(CheckOptions options) {
     fmt::print(stderr, "{}", gate::annotations(suite, reference_folder.string(), result, 10));
   }
   const int code = gate::exit_code(result);
+  const CheckTold told{suite, options.reference, is_first, folder.string(), options.worst};
   if (options.json) {
-    auto records = Json::array();
-    for (const auto& c : result.comparisons) records.push_back(comparison_json(result.command, c));
-    fmt::print("{}\n",
-               Json({{"suite", suite},
-                     {"exit_code", code},
-                     {"obtained", folder.string()},
-                     {"cells_run", result.cells.size()},
-                     {"cells_spared", result.cells_spared},
-                     {"compared", std::ranges::count_if(result.comparisons, gate::is_compared)},
-                     {"records", records}})
-                   .dump(2));
+    fmt::print("{}\n", check_json(result, told, code).dump(2));
   } else {
-    print_text(result, options.worst, folder.string());
+    print_check(result, told);
   }
   return code;
 }
@@ -187,18 +126,11 @@ void add_check_verb(CLI::App& app, Invocation& invocation) {
       "check", "Run a suite and compare its behaviour with the references, read-only");
   auto options = std::make_shared<CheckOptions>();
   verb->add_option("suite", options->suite, "smoke, full, or the path of a plan; default smoke");
-  verb->add_option("--engine", options->overrides.engines,
-                   "Engine selector instead of the plan's; may be repeated")
-      ->expected(1)
-      ->take_all();
-  verb->add_option("--only", options->overrides.only, "Only the experiment of this name");
-  verb->add_option("--set", options->overrides.set, "key=value, as for run; may be repeated")
-      ->expected(1)
-      ->take_all();
+  add_overrides(*verb, options->overrides);
   verb->add_option("--reference", options->reference,
                    "Folder of the references; default reference_data/baseline");
-  verb->add_option("--obtained", options->obtained,
-                   "New folder for the numbers; default obtained/<suite>-<number>");
+  verb->add_option("--obtained,--out", options->obtained,
+                   "New folder for the numbers, also --out; default obtained/<suite>-<number>");
   verb->add_option("--junit", options->junit, "Also write a JUnit file");
   verb->add_option("--worst", options->worst, "How many offenders to print; default 20");
   verb->add_flag("--all-starts", options->all_starts,

@@ -47,8 +47,21 @@ check() {
 
 cd "$folder"
 plan 0.3 0.4 >gate_small.toml
-check 3 none --all-starts
-cp -r new reference
+# The first check says that there is nothing yet, makes every start, and prints the command that blesses.
+check 3 reference
+grep -q 'no references in reference/small' said || fail "the missing folder is not said"
+if grep -q '^ok .*: 0 of 0' said; then fail "nothing was run"; fi
+bless=$(grep -o 'brickbench bless .*' said) || fail "the first check prints no command"
+bless=${bless/brickbench/"$program"}
+if [ "$(grep -c '"outcome":"ok"' new/*/drop.json)" -gt 0 ]; then
+  grep '"outcome":"ok"' new/*/drop.json | grep -qv '"seeds":\[1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24\]' &&
+    fail "a reference to be has not all starts"
+fi
+eval "${bless/"'...'"/"'a first reference'"}" >said || fail "the printed command fails: $bless"
+rm -rf new
+check 0 reference
+[ "$(grep -c '^ok ' said)" -eq 2 ] || fail "experiments are not summed up"
+! grep -q 'bless' said || fail "a green check asks for a blessing"
 if ! grep -q '"outcome":"ok"' reference/*/slide.json; then exit 77; fi  # no linked engine runs it
 cp -r reference kept
 check 0 reference
@@ -66,6 +79,21 @@ plan 0.3 0.45 >gate_small.toml
 GITHUB_ACTIONS=1 check 1 restitution
 grep -q '^::error.*drop.*brick_displacement_max_m' said || { cat said >&2; fail "restitution: not named"; }
 ! grep -q '^::error.*slide' said || fail "restitution: the slide is accused"
+
+# A setting that changed is told in one line.
+plan 0.25 0.4 >gate_small.toml
+check 3 reference --only slide
+[ "$(grep -c '^setting changed in slide: friction 0.3 -> 0.25' said)" -eq 1 ] || { cat said >&2; fail "setting: not one line"; }
+! grep -q '^missing slide' said || fail "setting: told of each number"
+
+# What was decided early is no reference.
+plan 0.3 0.45 >gate_small.toml
+check 1 restitution
+if [ "$(grep -c 'all-starts' said)" -eq 0 ]; then fail "a red check does not say how to accept it"; fi
+cp -r restitution early
+code=0
+"$program" bless --from new --reference early --reason "too early" >said 2>&1 || code=$?
+if grep -q '"seeds":\[1,2,3,4,5,6,7,8\]' new/*/drop.json && [ $code -ne 2 ]; then fail "8 of 24 starts were blessed"; fi
 
 plan 0.3 0.4 >gate_small.toml
 cp -r reference damaged && sed -i '2s/"kind":/"sort":/' damaged/*/drop.json
