@@ -9,6 +9,8 @@
 
 #include "cli/browser.hpp"
 #include "cli/complain.hpp"
+#include "cli/number_option.hpp"
+#include "cli/record_command.hpp"
 #include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/terminal.hpp"
@@ -110,6 +112,10 @@ class Renderer {
         scene, arrangement.dump()));
     if (!end) return tl::unexpected(end.error());
     const double end_s = end->get<double>();
+    if (options_.time_s > end_s) {
+      return fail(Fault::invalid, fmt::format("--time {}: the motion of {} ends at {} s",
+                                              options_.time_s, name, end_s));
+    }
     const double still_s = options_.time_s < 0.0 ? 0.5 * end_s : options_.time_s;
     auto still = frame(still_s, "image/png");
     if (!still) return tl::unexpected(still.error());
@@ -189,9 +195,10 @@ Expected<std::vector<OutputFile>> draw(const RenderOptions& options) {
   auto sources = read_sources({options.folder});
   if (!sources) return tl::unexpected(sources.error());
   if (sources->front().replays.empty()) {
-    return fail(Fault::invalid, fmt::format("'{}' holds no trajectories to draw; run the plan with "
-                                            "trajectories recorded",
-                                            options.folder));
+    const std::string command = record_command(sources->front().provenance);
+    return fail(Fault::invalid,
+                fmt::format("'{}' holds no motion to draw. Record it: {}", options.folder,
+                            command.empty() ? "brickbench run PLAN --record" : command));
   }
   constexpr std::size_t frames = 600;
   if (options.colour == "penetration") add_replay_depths(*sources, frames);
@@ -249,10 +256,9 @@ void add_render_verb(CLI::App& app, Invocation& invocation) {
   verb->add_flag("--contacts", options->contacts, "Draw the recorded contact points");
   verb->add_option("--video", options->video, "Also a video of each view")
       ->check(CLI::IsMember({"mp4"}));
-  verb->add_option("--time", options->time_s, "Time of the still, s; default half the run")
-      ->check(CLI::NonNegativeNumber);
-  verb->add_option("--speed", options->speed, "Of the video: simulated s per s")
-      ->check(CLI::PositiveNumber);
+  add_number(*verb, "--time", options->time_s, "Time of the still, s; default half the run",
+             Sign::not_negative);
+  add_number(*verb, "--speed", options->speed, "Of the video: simulated s per s", Sign::positive);
   verb->add_option("--fps", options->fps, "Frames per second of the video")
       ->check(CLI::Range(1, 120));
   verb->add_option("--width", options->width_px, "Of the picture, pixels")

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli/complain.hpp"
 #include "cli/ensemble_verdicts.hpp"
+#include "cli/record_command.hpp"
 #include "cli/replay_depths.hpp"
 #include "cli/report_output.hpp"
 #include "cli/verbs.hpp"
@@ -42,18 +44,23 @@ int report(const ReportVerbOptions& options) {
   if (!written->no_pdf_reason.empty()) {
     fmt::print(stderr, "brickbench: no PDF figures: {}\n", written->no_pdf_reason);
   }
+  const bool has_motion = std::ranges::any_of(
+      *sources, [](const ReportSource& source) { return !source.replays.empty(); });
+  const std::string record = has_motion ? "" : record_command(sources->front().provenance);
   if (options.json) {
     const nlohmann::ordered_json json = {{"folder", options.out},
                                          {"page", options.out + "/index.html"},
                                          {"page_bytes", files.front().content.size()},
                                          {"figures", figures.size()},
                                          {"pdf_figures", written->pdfs},
-                                         {"missing", page_assets().missing}};
+                                         {"missing", page_assets().missing},
+                                         {"record_command", record}};
     fmt::print("{}\n", json.dump(2));
   } else {
     fmt::print("{} figures, {} of them as PDF too.\nPage: {}/index.html ({:.2f} MB)\n",
                figures.size(), written->pdfs, options.out,
                static_cast<double>(files.front().content.size()) / 1e6);
+    if (!record.empty()) fmt::print("No motion was recorded. To see it: {}\n", record);
   }
   return k_exit_fine;
 }

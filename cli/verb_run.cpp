@@ -1,15 +1,17 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "cli/complain.hpp"
 #include "cli/planned_work.hpp"
+#include "cli/record_command.hpp"
+#include "cli/run_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/run/results.hpp"
 #include "reports/src/markdown_report.hpp"
-#include "reports/src/summary.hpp"
 
 namespace brickbench {
 namespace {
@@ -17,14 +19,10 @@ namespace {
 struct RunOptions {
   PlanChoice choice;
   std::string out;
+  bool record = false;
+  bool all = false;
   bool json = false;
 };
-
-std::string cell_label(const Cell& cell) {
-  return fmt::format("{} {} step {} s{}{}", cell.experiment, cell.engine.label(), cell.step_s,
-                     cell.seed == 0 ? "" : fmt::format(" seed {}", cell.seed),
-                     cell.axes.empty() ? "" : " " + cell.axes);
-}
 
 RunResult run_with_progress(const PlannedWork& work, const std::filesystem::path& folder) {
   Progress progress(work.cells.size());
@@ -86,52 +84,32 @@ void print_json(const std::filesystem::path& folder, const Plan& plan, const Run
   fmt::print("{}\n", json.dump(2));
 }
 
-Table cost_table(const RunResult& result) {
-  Table table;
-  table.title = "cost (CPU of the engine alone)";
-  table.header = {"engine", "experiment", "step_s", "median_ms", "max_ms", "total_s", "outcome"};
-  for (const Timing& timing : result.timings) {
-    if (timing.steps == 0) continue;
-    table.rows.push_back({{timing.engine + '/' + timing.variant},
-                          {timing.experiment},
-                          {shortest(timing.step_s)},
-                          {short_number(1e3 * timing.step_median_cpu_s)},
-                          {short_number(1e3 * timing.step_max_cpu_s)},
-                          {short_number(timing.steps_total_cpu_s)},
-                          {timing.outcome + (timing.validity.empty() ? "" : " !")}});
+// So many frames of each cell, whatever its length: as many as a page shows by default.
+void record_all(std::vector<Cell>& cells) {
+  constexpr std::uint64_t k_frames = 240;
+  for (Cell& cell : cells) {
+    if (cell.recording || !cell.excluded_why.empty()) continue;
+    cell.recording = Recording{.every = std::max<std::uint64_t>(1, step_count(cell) / k_frames),
+                               .precision = TrajectoryPrecision::f32};
   }
-  return table;
 }
 
-void print_tables(const std::filesystem::path& folder, const RunResult& result) {
-  const TerminalStyle style = standard_output_style();
-  for (const Block& block : summarize(result.rows)) {
-    Table table = to_table(block);
-    if (table.rows.empty()) continue;
-    table.title = fmt::format("{}: {}", block.group, scene_label(block));
-    fmt::print("{}\n", to_terminal(table, style));
+void print_text(const std::filesystem::path& folder, const PlannedWork& work,
+                const RunResult& result, const RunOptions& options, const Invocation& invocation) {
+  if (options.all) print_run_tables(result);
+  const bool has_motion =
+      std::ranges::any_of(work.cells, [](const Cell& cell) { return cell.recording.has_value(); });
+  const RunTold told{folder.string(), has_motion ? "" : record_command(invocation.arguments),
+                     smallest_edges(work, result)};
+  for (const std::string& line : run_screen(result, told, standard_output_style())) {
+    fmt::print("{}\n", line);
   }
-  fmt::print("{}\n", to_terminal(cost_table(result), style));
-  std::size_t ran = 0;
-  std::size_t flagged = 0;
-  for (const CellOutcome& cell : result.cells) {
-    if (!cell.validity.empty()) {
-      ++flagged;
-      fmt::print("! {}: {}\n", cell_label(cell.cell), cell.validity);
-    }
-    if (cell.outcome == "ok")
-      ++ran;
-    else
-      fmt::print("{}: {}: {}\n", cell_label(cell.cell), cell.outcome, cell.reason);
-  }
-  fmt::print("{} of {} cells ran to their end", ran, result.cells.size());
-  if (flagged > 0) fmt::print("; {} of them are flagged (!) and not ranked", flagged);
-  fmt::print(".\nResults: {}\n", folder.string());
 }
 
 int run(const RunOptions& options, const Invocation& invocation) {
   auto work = planned_work(options.choice, invocation.arguments);
   if (!work) return k_exit_bad_input;
+  if (options.record) record_all(work->cells);
   if (auto ok = check_recordable(work->cells); !ok) return complain(ok.error());
   const auto folder = new_results_folder(options.out, *work);
   if (!folder) return complain(folder.error());
@@ -145,7 +123,7 @@ int run(const RunOptions& options, const Invocation& invocation) {
   if (options.json)
     print_json(*folder, work->plan, result);
   else
-    print_tables(*folder, result);
+    print_text(*folder, *work, result, options, invocation);
   return count_unrecorded(result) > 0 ? k_exit_infrastructure : exit_code(result);
 }
 
@@ -157,6 +135,9 @@ void add_run_verb(CLI::App& app, Invocation& invocation) {
   add_plan_choice(*verb, options->choice);
   verb->add_option("--out", options->out,
                    "New folder for the results; default results/<plan>-<number>");
+  verb->add_flag("--record", options->record,
+                 "Record the motion of every cell, for the page and for render");
+  verb->add_flag("--all", options->all, "Print every table, not one screen");
   verb->add_flag("--json", options->json, "The result as JSON on standard output");
   verb->callback([options, &invocation] { invocation.exit_code = run(*options, invocation); });
 }

@@ -57,6 +57,52 @@ TEST_F(Program, RunWritesAFolderAndTheSameRowsTwice) {
       << "the report follows from the files alone";
 }
 
+TEST_F(Program, RunEndsWithOneScreenAndKeepsTheRestForAll) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  // Many scenes in every variant of every engine, some of which refuse a bounce.
+  const std::string plan = put("plan.toml", R"(
+title = "t"
+[[experiment]]
+scenario = "brick_drop"
+engines = ["*/*"]
+step_s = [0.01, 0.005]
+duration_s = 0.1
+parameters = { restitution = [0.0, 0.5] }
+)");
+  const auto lines = [](const std::string& text) { return std::ranges::count(text, '\n'); };
+  const Answer screen = ask("run " + plan + " --out " + path("one"));
+  ASSERT_LE(screen.code, 1) << screen.err;
+  EXPECT_LE(lines(screen.out), 25) << screen.out;
+  for (const char* part : {" cells ran to their end", "CPU ms per s", "Results: ",
+                           "Page: brickbench report ", "With the motion: brickbench run "})
+    EXPECT_NE(screen.out.find(part), std::string::npos) << part << screen.out;
+  const Answer all = ask("run " + plan + " --all --out " + path("two"));
+  EXPECT_GT(lines(all.out), 60);
+  EXPECT_NE(all.out.find("energy_net_drift_j"), std::string::npos);
+}
+
+TEST_F(Program, FoldersWithoutMotionNameTheCommandThatRecordsIt) {
+  if (!any_engine()) GTEST_SKIP() << "no engine is linked";
+  const std::string plan = put("plan of mine.toml", k_plan);
+  ASSERT_EQ(ask("run '" + plan + "' --set duration_s=0.2 --out " + path("still")).code, 0);
+  const std::string command = "brickbench run '" + plan + "' --set duration_s=0.2 --record";
+  const Answer drawn = ask("render " + path("still") + " --out " + path("pictures"));
+  const Answer page = ask("report " + path("still") + " --no-pdf --out " + path("page"));
+  if (drawn.err.find("not installed") == std::string::npos &&
+      drawn.err.find("page's script") == std::string::npos) {
+    EXPECT_EQ(drawn.code, 2);
+    EXPECT_NE(drawn.err.find(command), std::string::npos) << drawn.err;
+  }
+  EXPECT_NE(page.out.find(command), std::string::npos) << page.out;
+  const Answer moving =
+      ask("run '" + plan + "' --set duration_s=0.2 --record --out " + path("moving"));
+  if (moving.err.find("HDF5") != std::string::npos) GTEST_SKIP() << "built without HDF5";
+  EXPECT_EQ(moving.code, 0) << moving.err;
+  EXPECT_TRUE(fs::exists(folder_ / "moving" / "trajectories"));
+  EXPECT_EQ(*read_file(folder_ / "moving" / "rows.csv"), *read_file(folder_ / "still" / "rows.csv"))
+      << "recording changes no number";
+}
+
 TEST_F(Program, NothingIsWrittenOver) {
   const std::string plan = put("plan.toml", k_plan);
   fs::create_directories(folder_ / "there");
