@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   add_oracle_verb(app, invocation);
   add_hunt_verb(app, invocation);
   add_doctor_verb(app, invocation);
+  add_completion_verb(app, invocation);
   if (const std::string wrong = unknown_verb(app, invocation.arguments); !wrong.empty()) {
     return complain(wrong, k_exit_bad_input);
   }

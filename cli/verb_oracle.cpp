@@ -8,6 +8,7 @@
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
 #include "cli/json_number.hpp"
+#include "cli/number_option.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/oracle/confusion.hpp"
@@ -339,9 +340,8 @@ CLI::App* add(CLI::App& parent, Invocation& invocation, const std::string& name,
   verb->add_option("--engine", options->engines, "Engine selector; may be repeated; default all")
       ->expected(1)
       ->take_all();
-  verb->add_option("--step", options->step_s, "Time step, s")->check(CLI::PositiveNumber);
-  verb->add_option("--duration", options->duration_s, "Simulated time, s")
-      ->check(CLI::PositiveNumber);
+  add_number(*verb, "--step", options->step_s, "Time step, s: 0.004 or 1/240", Sign::positive);
+  add_number(*verb, "--duration", options->duration_s, "Simulated time, s", Sign::positive);
   CLI::Option* json =
       verb->add_flag("--json", options->json, "The result as JSON on standard output");
   if (action != defect) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/complain.hpp"
+#include "cli/number_option.hpp"
 #include "cli/planned_work.hpp"
 #include "cli/sweep_progress.hpp"
 #include "cli/terminal.hpp"
@@ -232,10 +233,10 @@ void add_run(CLI::App& sweep, Invocation& invocation) {
   verb->add_option("--shard", choice->shard, "Only shard i of n, i/n with i from 0");
   verb->add_flag("--retry-failed", choice->options.retry_failed,
                  "Run again what diverged, crashed, timed out, ran out of memory or was invalid");
-  verb->add_option("--time-limit", choice->options.limits.wall_s,
-                   "Wall-clock limit of a cell in s; 0: none")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  add_number(*verb, "--time-limit", choice->options.limits.wall_s,
+             fmt::format("Wall-clock limit of a cell in s; 0: none; default {}",
+                         choice->options.limits.wall_s),
+             Sign::not_negative);
   verb->add_option("--memory-limit", choice->options.limits.memory_mb,
                    "Memory of a cell beyond that of the program, in MB; 0: no limit")
       ->check(CLI::NonNegativeNumber);

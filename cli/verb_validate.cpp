@@ -38,6 +38,7 @@ struct ValidateOptions {
   std::string questions;                // file of open questions; empty: the project's
   std::string stable_step;              // a scene at rest; empty: none
   std::vector<std::string> knobs;       // name=value
+  std::vector<std::string> set;         // either, knobs as knob.name=value
   std::string figures;                  // a new folder for the cases' starts; empty: none
   bool json = false;
   std::string out;                     // a new folder for `report`; empty: none
@@ -217,6 +218,20 @@ int run_cases(const ValidateOptions& options, CasesAsked asked, const Catalogues
   return tabulate_cases(asked, catalogues);
 }
 
+// --set is the one language for both.
+ValidateOptions with_settings(ValidateOptions options) {
+  constexpr std::string_view k_knob = "knob.";
+  for (const std::string& setting : options.set) {
+    if (setting.starts_with(k_knob)) {
+      options.knobs.push_back(setting.substr(k_knob.size()));
+    } else {
+      options.parameters.push_back(setting);
+    }
+  }
+  options.set.clear();
+  return options;
+}
+
 int validate(const ValidateOptions& options) {
   const Catalogues catalogues = all_catalogues();
   const auto knobs = parse_numbers("--knob", options.knobs);
@@ -275,6 +290,10 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
                    "name=number of the one case, or of the scene of --symmetry; may be repeated")
       ->expected(1)
       ->take_all();
+  verb->add_option("--set", options->set,
+                   "name=number as --parameter, knob.name=number as --knob; may be repeated")
+      ->expected(1)
+      ->take_all();
   verb->add_option("--stable-step", options->stable_step,
                    "Find the largest step that keeps a scene at rest standing for 2 s");
   verb->add_option("--knob", options->knobs,
@@ -288,7 +307,7 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
                    "New folder for the table, or with --order the orders; `report` reads it");
   verb->callback([options, &invocation] {
     options->arguments = invocation.arguments;
-    invocation.exit_code = validate(*options);
+    invocation.exit_code = validate(with_settings(*options));
   });
 }
 

@@ -35,6 +35,7 @@ void add_check_verb(CLI::App& app, Invocation& invocation);
 void add_bless_verb(CLI::App& app, Invocation& invocation);
 void add_oracle_verb(CLI::App& app, Invocation& invocation);
 void add_hunt_verb(CLI::App& app, Invocation& invocation);
+void add_completion_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
 }  // namespace brickbench
