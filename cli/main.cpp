@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   add_list_verb(app, invocation);
   add_validate_verb(app, invocation);
   add_report_verb(app, invocation);
+  add_figure_verb(app, invocation);
   add_table_verb(app, invocation);
   add_render_verb(app, invocation);
   add_compare_verb(app, invocation);

@@ -58,20 +58,6 @@ Expected<void> settle(const fs::path& from, const std::string& out) {
   return {};
 }
 
-// The same bytes for the same input: the date of creation becomes the start of 1970.
-void undate(const fs::path& pdf) {
-  auto text = read_file(pdf);
-  if (!text) return;
-  constexpr std::string_view mark = "/CreationDate (D:";
-  constexpr std::string_view date = "19700101000000";
-  const std::size_t at = text->find(mark);
-  if (at == std::string::npos || at + mark.size() + date.size() > text->size()) return;
-  text->replace(at + mark.size(), date.size(), date);
-  std::error_code ignored;
-  fs::remove(pdf, ignored);
-  (void)write_new_file(pdf, *text);
-}
-
 // Draws all figures in one gnuplot; false if it failed.
 bool draw_pdfs(const std::string& gnuplot, const fs::path& figures,
                const std::vector<Figure>& list) {
@@ -121,12 +107,25 @@ Expected<WrittenReport> write_report(const std::string& out, std::vector<OutputF
     const fs::path folder = scratch.folder() / "figures";
     if (!draw_pdfs(gnuplot, folder, figures)) written.no_pdf_reason = "gnuplot failed";
     for (const Figure& figure : figures) {
-      undate(folder / (figure.id + ".pdf"));
+      undate_pdf(folder / (figure.id + ".pdf"));
       written.pdfs += fs::exists(folder / (figure.id + ".pdf")) ? 1U : 0U;
     }
   }
   if (auto ok = settle(scratch.folder(), out); !ok) return tl::unexpected(ok.error());
   return written;
+}
+
+void undate_pdf(const fs::path& pdf) {
+  auto text = read_file(pdf);
+  if (!text) return;
+  constexpr std::string_view mark = "/CreationDate (D:";
+  constexpr std::string_view date = "19700101000000";
+  const std::size_t at = text->find(mark);
+  if (at == std::string::npos || at + mark.size() + date.size() > text->size()) return;
+  text->replace(at + mark.size(), date.size(), date);
+  std::error_code ignored;
+  fs::remove(pdf, ignored);
+  (void)write_new_file(pdf, *text);
 }
 
 std::string program_on_path(const std::vector<std::string>& names) {

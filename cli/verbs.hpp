@@ -36,6 +36,7 @@ void add_bless_verb(CLI::App& app, Invocation& invocation);
 void add_oracle_verb(CLI::App& app, Invocation& invocation);
 void add_hunt_verb(CLI::App& app, Invocation& invocation);
 void add_completion_verb(CLI::App& app, Invocation& invocation);
+void add_figure_verb(CLI::App& app, Invocation& invocation);
 void add_table_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
