@@ -7,7 +7,8 @@
 namespace brickbench {
 namespace {
 
-const std::vector<std::string> k_settable_keys = {"step_s", "duration_s", "time_limit_s", "seeds"};
+const std::vector<std::string> k_settable_keys = {"step_s", "duration_s", "time_limit_s", "seeds",
+                                                  "perturb"};
 
 void put(InputValue& table, Entry entry) {
   const auto found = std::ranges::find(table.entries, entry.name, &Entry::name);

@@ -1,6 +1,7 @@
 #include "reports/src/html_report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +12,7 @@
 #include "reports/src/html_sections.hpp"
 #include "reports/src/markdown_report.hpp"
 #include "reports/src/markup.hpp"
+#include "reports/src/page_answer.hpp"
 #include "reports/src/validation.hpp"
 
 namespace brickbench {
@@ -179,12 +181,19 @@ std::string source_html(const ReportSource& source, const SourceFigures& figures
   const bool svg = assets.script.empty();
   const Provenance& p = source.provenance;
   std::string out = fmt::format("<header><h1>{}</h1>\n", escape_markup(p.title));
+  const auto overrides = overrides_of(p);
+  if (!overrides.empty()) {
+    out += fmt::format("<p><strong>Run with {}.</strong> {}</p>\n",
+                       escape_markup(fmt::format("{}", fmt::join(overrides, ", "))),
+                       "The title and the text below are the plan's, for its own settings.");
+  }
   if (!p.analysis.empty())
     out += fmt::format("<p class=\"lead\">{}</p>\n", escape_markup(p.analysis));
   out += "</header>\n";
   const auto section = [&](const char* id, const char* title, const std::string& body) {
     out += html_section(prefix + id, title, body);
   };
+  section("laws", "Who broke a law here", html_answer(source, palette));
   section("verdict", "Verdict", html_verdict(source, blocks, names, palette));
   if (!source.rows.empty()) section("replay", "Replay", replay_html(source, assets, limits));
   section("time", "Over time", figures_html(figures.time, names, svg));
@@ -319,7 +328,8 @@ std::vector<OutputFile> report_files(std::span<const ReportSource> sources,
     add_scenes(source, palette, limits, scenes);
     markdown += (i == 0 ? "" : "\n") +
                 markdown_report({source.rows, source.timings, &source.provenance}) +
-                markdown_validation(source) + markdown_ensembles(ensembles, palette, prefix);
+                markdown_answer(source) + markdown_validation(source) +
+                markdown_ensembles(ensembles, palette, prefix);
     std::ranges::move(ensemble_files(ensembles, palette, prefix), std::back_inserter(files));
     if (!source.validation.is_null()) {
       files.push_back({"figures/" + prefix + "validation.csv", validation_csv(source)});
