@@ -205,7 +205,7 @@ std::string to_gnuplot(const PaperFigure& figure, PaperFormat format, const std:
                ? "unset title\n"
                : fmt::format("set title {} offset 0,-0.7\n",
                              paper_text(figure.facet_label + ": " + panel.facet));
-    out += fmt::format("set xlabel {} offset 0,0.5\nset ylabel {} offset 1,0\nunset key\n",
+    out += fmt::format("set xlabel {} offset 0,0.5\nset ylabel {} offset 0.3,0\nunset key\n",
                        paper_text(figure.x.label), paper_text(figure.y.label));
     out += plots_of(panel, p);
   }
