@@ -71,12 +71,13 @@ std::vector<std::string> answer_lines(const ReportSource& source) {
 }  // namespace
 
 std::vector<std::string> overrides_of(const Provenance& provenance) {
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides = provenance.set;
+  const bool is_told = !overrides.empty();
   const auto words = command_words(provenance.command);
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
-    if (words[i] == "--set") overrides.push_back(words[i + 1]);
-    if (words[i] == "--step") overrides.push_back("step_s=" + words[i + 1]);
-    if (words[i] == "--duration") overrides.push_back("duration_s=" + words[i + 1]);
+    if (words[i] == "--set" && !is_told) overrides.push_back(words[i + 1]);
+    if (words[i] == "--step" && !is_told) overrides.push_back("step_s=" + words[i + 1]);
+    if (words[i] == "--duration" && !is_told) overrides.push_back("duration_s=" + words[i + 1]);
     if (words[i] == "--engine" || words[i] == "--only")
       overrides.push_back(words[i] + ' ' + words[i + 1]);
   }

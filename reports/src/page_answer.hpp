@@ -9,8 +9,8 @@
 
 namespace brickbench {
 
-// What the run was asked for beyond its plan: "projectile_speed_mps=15", "--engine ant/v"; from the
-// command that the provenance keeps.
+// What the run was asked for beyond its plan: "projectile_speed_mps=15", "--engine ant/v"; from
+// what the provenance keeps, of older folders from their command.
 std::vector<std::string> overrides_of(const Provenance& provenance);
 
 // Laws that numbers of this run show to be broken, one sentence each, and who is fastest; empty
