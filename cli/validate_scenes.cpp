@@ -10,22 +10,25 @@
 #include "cli/verbs.hpp"
 #include "experiments/exact/validation/metamorphic.hpp"
 #include "experiments/exact/validation/stable_step.hpp"
+#include "experiments/run/scene_choice.hpp"
 
 namespace brickbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The scene of that name with its default parameters, or all; complains and returns none otherwise.
-std::vector<const Scenario*> scenes_named(const Catalogues& catalogues, const std::string& name) {
-  std::vector<const Scenario*> scenes;
-  for (const Scenario& scenario : catalogues.scenarios) {
-    if (name == "all" || scenario.name == name) scenes.push_back(&scenario);
+// All compiled scenes, or the one of that name, compiled or of a file; none after a complaint.
+std::vector<SceneChoice> scenes_named(const Catalogues& catalogues, const std::string& name) {
+  std::vector<SceneChoice> scenes;
+  if (name == "all") {
+    for (const Scenario& scenario : catalogues.scenarios) scenes.push_back({&scenario, nullptr});
+    return scenes;
   }
-  if (scenes.empty()) {
-    fmt::print(stderr, "brickbench: no scene '{}': all, or one of `brickbench list scenarios`\n",
-               name);
-  }
+  auto choice = choose_scene(name, "scene " + name, catalogues);
+  if (choice)
+    scenes.push_back(std::move(*choice));
+  else
+    complain(choice.error().text(), k_exit_bad_input);
   return scenes;
 }
 
@@ -57,7 +60,8 @@ int compare_symmetries(const std::vector<EngineVariant>& engines, const Catalogu
     fmt::print("{:<14} {:<18} {:<22} {:>12} {:>12} {:>10}\n", "scene", "engine", "image",
                "after 1/16", "at the end", "rate 1/s");
   }
-  for (const Scenario* scenario : scenes) {
+  for (const SceneChoice& choice : scenes) {
+    const Scenario* scenario = choice.scenario;
     const auto scene = build(*scenario, given);
     if (!scene) return complain(scene.error());
     for (const EngineVariant& engine : engines) {
@@ -94,7 +98,8 @@ int search_stable_steps(const std::vector<EngineVariant>& engines, const Catalog
     fmt::print("{:<14} {:<18} {:>12} {:>14}  what happens then\n", "scene", "engine", "stable s",
                "not stable s");
   }
-  for (const Scenario* scenario : scenes) {
+  for (const SceneChoice& choice : scenes) {
+    const Scenario* scenario = choice.scenario;
     const Scene scene = build(*scenario, {}).value();
     exact::StableStepSearch search;
     search.drift_limit_m = exact::quarter_of_smallest_m(scene.world);

@@ -16,6 +16,7 @@
 #include "experiments/oracle/law_profile.hpp"
 #include "experiments/record/schema.hpp"
 #include "experiments/run/plan.hpp"
+#include "experiments/run/scene_choice.hpp"
 #include "experiments/run/selector.hpp"
 
 namespace brickbench {
@@ -43,11 +44,8 @@ Form form_of(const OracleOptions& options) {
 }
 
 Expected<Scene> scene_of(const OracleOptions& options, const Catalogues& catalogues) {
-  const Scenario* scenario = find_scenario(catalogues, options.scenario);
-  if (scenario == nullptr) {
-    return fail(Fault::invalid,
-                "scenario" + known_names(options.scenario, names_of(catalogues.scenarios)));
-  }
+  const auto choice = choose_scene(options.scenario, "--scenario " + options.scenario, catalogues);
+  if (!choice) return fail(Fault::invalid, choice.error().text());
   ParameterValues values;
   for (const std::string& text : options.set) {
     const auto equals = text.find('=');
@@ -56,7 +54,7 @@ Expected<Scene> scene_of(const OracleOptions& options, const Catalogues& catalog
     const auto number = parse_number(value);
     values[text.substr(0, equals)] = number ? ParameterValue(*number) : ParameterValue(value);
   }
-  return build(*scenario, values);
+  return build(*choice->scenario, values);
 }
 
 Checked<std::vector<EngineVariant>> engines_of(const std::vector<std::string>& texts,
@@ -352,7 +350,7 @@ CLI::App* add(CLI::App& parent, Invocation& invocation, const std::string& name,
 }
 
 void add_scene(CLI::App* verb, const std::shared_ptr<OracleOptions>& options) {
-  verb->add_option("scenario", options->scenario, "One of `list scenarios`");
+  verb->add_option("scenario", options->scenario, "One of `list scenarios`, or a scene file");
   verb->add_option("--set", options->set, "key=value of the scenario; may be repeated")
       ->expected(1)
       ->take_all();

@@ -16,6 +16,7 @@ brickbench_require(fmt libfmt-dev)
 brickbench_require(CLI11 libcli11-dev)
 brickbench_require(nlohmann_json nlohmann-json3-dev)
 brickbench_require(tomlplusplus libtomlplusplus-dev)
+brickbench_require(muparser libmuparser-dev)
 
 # Header-only packages without a CMake config: name, header, path suffix, Debian package.
 function(brickbench_header_library target header suffix package)

@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 set(brickbench_data ${CMAKE_INSTALL_DATADIR}/brickbench)
 install(TARGETS brickbench RUNTIME COMPONENT brickbench)
-install(DIRECTORY experiments/plans DESTINATION ${brickbench_data}/experiments
+install(DIRECTORY experiments/plans experiments/scenes DESTINATION ${brickbench_data}/experiments
         COMPONENT brickbench FILES_MATCHING PATTERN "*.toml")
 install(DIRECTORY reference_data/baseline DESTINATION ${brickbench_data}/reference_data
         COMPONENT brickbench)

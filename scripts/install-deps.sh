@@ -29,6 +29,7 @@ build|libeigen3-dev|Eigen: vectors and matrices|eigen3/Eigen/Core,Eigen/Core
 build|libfmt-dev|{fmt}: text output|fmt/core.h
 build|libexpected-dev|tl::expected: failures as values|tl/expected.hpp
 build|libtomlplusplus-dev|toml++: reads plans|toml++/toml.h
+build|libmuparser-dev|muParser: formulas in scene files|muParser.h
 build|libcli11-dev|CLI11: the command line|CLI/CLI.hpp
 build|nlohmann-json3-dev|nlohmann-json: --json|nlohmann/json.hpp
 build|libfccp-dev|fast-cpp-csv-parser: reads rows|libfccp/csv.h,csv.h

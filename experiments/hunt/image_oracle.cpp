@@ -80,7 +80,7 @@ std::vector<exact::Symmetry> rigid_symmetries(const Motion& motion) {
 bool is_fit(const Motion& motion) {
   const World& world = motion.scene.world;
   const std::size_t moving = moving_count(world);
-  return motion.outcome == "ok" && motion.scene.blows.empty() &&
+  return motion.outcome == "ok" && motion.scene.blows.empty() && motion.scene.pushes.empty() &&
          greatest_law(world).friction <= k_one_answer_friction && moving >= 1 && moving <= 2 &&
          motion.steps() <= k_most_steps && world.bodies.size() <= 2;
 }

@@ -9,7 +9,7 @@ namespace brickbench::hunt {
 
 // Runs the images, and the scene twice more from starts that differ in the seventh digit: what
 // these do to the motion, an image may do ten times. Scenes of one or two moving bodies without
-// blows; nullopt for others.
+// blows and pushes; nullopt for others.
 std::optional<Breach> image_breach(const Adapter& adapter, const Settings& settings,
                                    const Motion& motion);
 

@@ -48,8 +48,7 @@ Expected<void> check_laws(const World& world, const Simulation& simulation) {
 
 Expected<void> play(const Adapter& adapter, const Settings& settings, std::size_t steps,
                     Motion& motion) {
-  auto stepper = Stepper::start(adapter, motion.scene.world, settings,
-                                blows_of(motion.scene, settings.step_s));
+  auto stepper = Stepper::start(adapter, motion.scene, settings);
   if (!stepper) return tl::unexpected(stepper.error());
   if (auto ok = check_laws(motion.scene.world, stepper->simulation()); !ok) return ok;
   const auto states = [&] {

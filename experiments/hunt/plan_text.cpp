@@ -152,9 +152,13 @@ Checked<std::vector<Trial>> trials_of(const Plan& plan, const Catalogues& catalo
       return file_error(plan.file.string(),
                         "a hunt replays plans without seeds and without excluded cells");
     }
+    if (cell.file_scene) {
+      return file_error(plan.file.string(),
+                        "a hunt replays compiled scenes, not " + cell.file_scene->file);
+    }
     Trial trial;
     trial.scene = cell.scenario;
-    const Scenario& scenario = *find_scenario(catalogues, cell.scenario);
+    const Scenario& scenario = scenario_of(cell, catalogues);
     for (const Parameter& parameter : scenario.parameters) {
       set_parameter(trial, parameter, cell.parameters.find(parameter.name)->second);
     }

@@ -6,7 +6,7 @@ namespace brickbench::gate {
 
 Expected<Recording> record(const Adapter& adapter, const Settings& settings, const Scene& scene,
                            std::size_t steps) {
-  auto stepper = Stepper::start(adapter, scene.world, settings, blows_of(scene, settings.step_s));
+  auto stepper = Stepper::start(adapter, scene, settings);
   if (!stepper) return tl::unexpected(stepper.error());
   Recording recording;
   recording.step_s = settings.step_s;

@@ -88,6 +88,11 @@ nlohmann::ordered_json to_json(const Provenance& provenance) {
     }
     methods.push_back({{"engine", method.engine}, {"facts", facts}});
   }
+  auto scenes = nlohmann::ordered_json::array();
+  for (const SceneRecord& scene : provenance.scenes) {
+    scenes.push_back(
+        {{"id", scene.name}, {"file", scene.file}, {"hash", scene.hash}, {"text", scene.text}});
+  }
   return {{"schema", 2},
           {"command", provenance.command},
           {"date_utc", provenance.date_utc},
@@ -98,7 +103,8 @@ nlohmann::ordered_json to_json(const Provenance& provenance) {
           {"machine", to_json(provenance.machine)},
           {"engines", engines},
           {"metrics", metrics},
-          {"methods", methods}};
+          {"methods", methods},
+          {"scenes", scenes}};
 }
 
 Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json) {
@@ -126,6 +132,10 @@ Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json) {
     for (const auto& metric : json.at("metrics")) {
       result.metrics.push_back({metric.at("id"), metric.at("unit"), metric.at("group"),
                                 metric.at("better"), metric.at("meaning"), metric.at("good")});
+    }
+    for (const auto& scene : json.value("scenes", nlohmann::ordered_json::array())) {
+      result.scenes.push_back(
+          {scene.at("id"), scene.at("file"), scene.at("hash"), scene.at("text")});
     }
     for (const auto& method : json.value("methods", nlohmann::ordered_json::array())) {
       MethodRecord record{method.at("engine"), {}};

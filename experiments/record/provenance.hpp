@@ -61,6 +61,15 @@ struct MethodRecord {
   bool operator==(const MethodRecord&) const = default;
 };
 
+// A scene that a file says, as it was when it was run.
+struct SceneRecord {
+  std::string name;
+  std::string file;
+  std::string hash;  // XXH3-128 of the text
+  std::string text;  // of the file
+  bool operator==(const SceneRecord&) const = default;
+};
+
 inline constexpr std::string_view k_not_stated = "not stated";
 inline constexpr std::string_view k_unsupported = "unsupported";
 
@@ -75,6 +84,7 @@ struct Provenance {
   std::vector<MetricRecord> metrics;
   std::vector<MethodRecord> methods = {};  // of the cells that were run, each once
   std::vector<std::string> set = {};       // what the command set beside the plan: "key=value"
+  std::vector<SceneRecord> scenes = {};    // of files, each once
 };
 
 nlohmann::ordered_json to_json(const Machine& machine);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 #include "experiments/run/plan.hpp"
 #include "experiments/run/selector.hpp"
 

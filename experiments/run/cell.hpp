@@ -13,6 +13,7 @@ struct Cell {
   std::size_t index = 0;  // in the plan's order, excluded cells included
   std::string experiment;
   std::string scenario;
+  FileScene file_scene;  // null: a scene of the catalogue
   EngineVariant engine;
   ParameterValues parameters;  // complete
   KnobValues knobs;            // that the plan turns

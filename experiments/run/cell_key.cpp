@@ -24,6 +24,7 @@ std::string cell_key(const Cell& cell, const std::string& engine_version,
       Schema<Row>::version, revision, cell.experiment, cell.scenario, cell.engine.engine,
       cell.engine.variant, engine_version, shortest(cell.step_s), shortest(cell.duration_s),
       shortest(cell.time_limit_s), cell.seed);
+  if (cell.file_scene) key += fmt::format(";scene={}", cell.file_scene->hash);
   if (cell.seed != 0) {
     const Perturbation& p = cell.perturb;
     key += fmt::format(";perturb={},{},{},{},{}", p.distribution, shortest(p.position_m),

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 #include "experiments/scenarios/scenario.hpp"
 
 namespace brickbench {

@@ -97,7 +97,7 @@ std::string axes_text(const ParameterValues& point, const KnobValues& knobs) {
 
 void expand_experiment(const Experiment& experiment, const Catalogues& catalogues,
                        std::vector<Cell>& cells) {
-  const Scenario& scenario = *find_scenario(catalogues, experiment.scenario);
+  const Scenario& scenario = scenario_of(experiment, catalogues);
   const std::vector<Contestant> engines = contestants(experiment, catalogues);
   for (const ParameterValues& point : product(experiment.parameters, experiment.zip)) {
     const auto complete_point = complete(scenario, point);
@@ -110,6 +110,7 @@ void expand_experiment(const Experiment& experiment, const Catalogues& catalogue
           cell.index = cells.size();
           cell.experiment = experiment.name;
           cell.scenario = experiment.scenario;
+          cell.file_scene = experiment.file_scene;
           cell.engine = contestant.engine;
           cell.parameters = *complete_point;
           cell.knobs = contestant.knobs;

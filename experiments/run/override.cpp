@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "experiments/run/scene_choice.hpp"
+
 namespace brickbench {
 namespace {
 
@@ -96,8 +98,10 @@ void turn_knob(InputValue& experiment, const Entry& knob) {
 bool apply(InputValue& experiment, const Setting& setting, const Catalogues& catalogues,
            std::vector<std::string>& known) {
   const InputValue* scenario_name = experiment.find("scenario");
-  const Scenario* scenario =
-      scenario_name == nullptr ? nullptr : find_scenario(catalogues, scenario_name->text);
+  // What is wrong with the scene is said when the experiment is read.
+  const auto choice = scenario_name == nullptr ? Checked<SceneChoice>(SceneChoice{})
+                                               : choose_scene(*scenario_name, catalogues);
+  const Scenario* scenario = choice ? choice->scenario : nullptr;
   known.insert(known.end(), k_settable_keys.begin(), k_settable_keys.end());
   if (scenario != nullptr) {
     for (const Parameter& parameter : scenario->parameters) known.push_back(parameter.name);

@@ -188,15 +188,13 @@ std::vector<std::string> metric_list(const InputValue* value, const Catalogues& 
   return names;
 }
 
-const Scenario& scenario_of(const InputValue& table, const Catalogues& catalogues) {
+SceneChoice scene_of(const InputValue& table, const Catalogues& catalogues) {
   const InputValue* name = table.find("scenario");
   if (name == nullptr) reject(table.at, "an experiment needs the key 'scenario'");
-  const Scenario* scenario = find_scenario(catalogues, filled_text(*name, "scenario"));
-  if (scenario == nullptr) {
-    reject(name->at, fmt::format("no scenario '{}'{}", name->text,
-                                 known_names(name->text, names_of(catalogues.scenarios))));
-  }
-  return *scenario;
+  filled_text(*name, "scenario");
+  auto choice = choose_scene(*name, catalogues);
+  if (!choice) throw choice.error();
+  return std::move(*choice);
 }
 
 const InputValue& required(const InputValue& table, const char* key) {
@@ -208,9 +206,11 @@ const InputValue& required(const InputValue& table, const char* key) {
 Experiment experiment(const InputValue& table, const Catalogues& catalogues) {
   expect(table, "experiment", ValueKind::table);
   reject_unknown(table, "an experiment", k_experiment_keys);
-  const Scenario& scenario = scenario_of(table, catalogues);
+  const SceneChoice choice = scene_of(table, catalogues);
+  const Scenario& scenario = *choice.scenario;
   Experiment result;
   result.scenario = scenario.name;
+  result.file_scene = choice.file;
   result.at = table.at;
   const InputValue* name = table.find("name");
   result.name = name == nullptr ? scenario.name : file_word(*name, "name");
@@ -261,6 +261,18 @@ BenchChoice bench_choice(const InputValue& table, const Catalogues& catalogues) 
   return result;
 }
 
+// Rows name the scene, so that one name must mean one file.
+void reject_namesake(const InputValue& table, const std::vector<Experiment>& experiments) {
+  const Experiment& last = experiments.back();
+  for (const Experiment& other : experiments) {
+    if (other.scenario != last.scenario || other.file_scene == nullptr) continue;
+    if (other.file_scene->hash == last.file_scene->hash) continue;
+    reject(table.find("scenario")->at,
+           fmt::format("{} and {} are different scenes of one name: rename one",
+                       other.file_scene->file, last.file_scene->file));
+  }
+}
+
 Plan plan(const InputValue& table, const Catalogues& catalogues) {
   reject_unknown(table, "a plan", k_plan_keys);
   Plan result;
@@ -280,6 +292,7 @@ Plan plan(const InputValue& table, const Catalogues& catalogues) {
   std::set<std::string> names;
   for (const InputValue& item : list->items) {
     result.experiments.push_back(experiment(item, catalogues));
+    reject_namesake(item, result.experiments);
     const std::string& name = result.experiments.back().name;
     if (!names.insert(name).second) {
       reject(item.at, fmt::format("two experiments are called '{}': give one a name", name));
@@ -288,8 +301,7 @@ Plan plan(const InputValue& table, const Catalogues& catalogues) {
   if (const InputValue* trajectory = table.find("trajectory")) {
     std::vector<std::string> known;
     for (const Experiment& item : result.experiments) {
-      for (auto& quantity :
-           condition_names(*find_scenario(catalogues, item.scenario), catalogues)) {
+      for (auto& quantity : condition_names(scenario_of(item, catalogues), catalogues)) {
         known.push_back(std::move(quantity));
       }
     }

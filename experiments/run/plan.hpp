@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "experiments/input/input.hpp"
 #include "experiments/run/catalogues.hpp"
 #include "experiments/run/condition.hpp"
-#include "experiments/run/input.hpp"
+#include "experiments/run/scene_choice.hpp"
 #include "experiments/run/selector.hpp"
 #include "experiments/run/trajectory_choice.hpp"
 
@@ -51,6 +52,7 @@ struct Perturbation {
 struct Experiment {
   std::string name;  // unique in the plan; the scenario's unless the plan says otherwise
   std::string scenario;
+  FileScene file_scene;  // null: a scene of the catalogue
   SourcePosition at;
   SourcePosition parameters_at;
   std::vector<EngineChoice> engines;

@@ -137,7 +137,7 @@ CellResult run_checked(const Cell& cell, const Catalogues& catalogues, const Ori
   if (adapter == nullptr) {
     return failed({Fault::invalid, fmt::format("engine {} is not linked", cell.engine.engine)});
   }
-  auto scene = build(*find_scenario(catalogues, cell.scenario), cell.parameters);
+  auto scene = build(scenario_of(cell, catalogues), cell.parameters);
   if (!scene) return failed(scene.error());
   perturb(scene->world, cell.perturb, cell.seed);
 

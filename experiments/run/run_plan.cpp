@@ -60,6 +60,14 @@ Provenance provenance_of(const Plan& plan, const Catalogues& catalogues) {
     provenance.engines.push_back(
         {adapter.name, adapter.version, precision_text(adapter), adapter.own});
   }
+  for (const Experiment& experiment : plan.experiments) {
+    if (!experiment.file_scene) continue;
+    const Scenario& read = *experiment.file_scene;
+    const SceneRecord scene{read.name, read.file, read.hash, read.text};
+    if (std::ranges::find(provenance.scenes, scene) == provenance.scenes.end()) {
+      provenance.scenes.push_back(scene);
+    }
+  }
   for (const MetricInfo& metric : catalogues.metrics) {
     for (const OutputInfo& output : metric.outputs) {
       provenance.metrics.push_back({output.name, output.unit, metric.name,

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "experiments/input/input.hpp"
 #include "experiments/run/catalogues.hpp"
-#include "experiments/run/input.hpp"
 
 namespace brickbench {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "experiments/input/input.hpp"
 #include "experiments/record/trajectory.hpp"
 #include "experiments/run/condition.hpp"
-#include "experiments/run/input.hpp"
 #include "experiments/run/selector.hpp"
 
 namespace brickbench {

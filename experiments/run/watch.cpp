@@ -23,7 +23,7 @@ Watch::Watch(const Scene& scene, const Cell& cell, const Catalogues& catalogues)
 Expected<void> Watch::run(const Adapter& adapter, const StepCallback& after_step,
                           TrajectoryRecorder* recorder) {
   recorder_ = recorder;
-  auto started = Stepper::start(adapter, scene_.world, settings(), blows_of(scene_, cell_.step_s));
+  auto started = Stepper::start(adapter, scene_, settings());
   if (!started) return tl::unexpected(started.error());
   Stepper& stepper = stepper_.emplace(std::move(*started));
   note_method(adapter, stepper.simulation());

@@ -1,6 +1,7 @@
 // Scenario: a named family of scenes with named, ranged parameters in SI units.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <variant>
@@ -36,10 +37,26 @@ struct Blow {
   Eigen::Vector3d angular_impulse_nms = Eigen::Vector3d::Zero();  // about it, world frame
 };
 
+// A force and a torque, both in the world frame, that last. Each step gets their mean over it, so
+// that their impulse does not depend on the step.
+struct Push {
+  std::size_t body = 0;
+  Eigen::Vector3d force_n = Eigen::Vector3d::Zero();    // at the point below
+  Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();  // on top of that of the force
+  // Of the body, in its frame, from the centre of mass. The lever arm during a step is that of its
+  // start: first order in the step where the body turns, exact at the centre.
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  // The share of force and torque that acts, straight between these times (ascending; equal ones
+  // make a jump), none before the first and after the last.
+  std::vector<double> times_s;
+  std::vector<double> shares;
+};
+
 // A scene ready to be run: the world, what acts on it from outside, and who is who.
 struct Scene {
   World world;
   std::vector<Blow> blows;
+  std::vector<Push> pushes;
   std::vector<std::size_t> bricks;       // whose displacement is counted
   std::vector<std::size_t> projectiles;  // none, one or more
   double length_scale_m = 0.1;           // the smallest edge of a brick: gaps and
@@ -53,7 +70,10 @@ struct Scenario {
   std::vector<Parameter> parameters;
   // `values` holds a value in range for every parameter: build() below has checked. Refuses
   // combinations that make no scene (Fault::invalid).
-  Expected<Scene> (*make)(const ParameterValues& values) = nullptr;
+  std::function<Expected<Scene>(const ParameterValues& values)> make;
+  std::string file = {};  // that says the scene; empty: compiled
+  std::string text = {};  // of the file
+  std::string hash = {};  // XXH3-128 of the text, 32 hexadecimal digits
 };
 
 // Access for the make functions; the parameter exists and has that kind.

@@ -18,9 +18,12 @@ namespace brickbench {
 // (bodies), which are zero.
 using Load = std::function<void(std::size_t step, double time_s, std::span<Wrench> wrenches)>;
 
-// The blows of the scene, each spread evenly over the step that contains its time; a blow at the
-// instant between two steps belongs to the later one. The scene must outlive the load.
-Load blows_of(const Scene& scene, double step_s);
+// Adds what acts on the scene from outside during step `step` (0-based) of length step_s, which
+// begins with these states (bodies), to `wrenches` (bodies). A blow is spread evenly over the step
+// that contains its time; one at the instant between two steps belongs to the later one. A push is
+// the mean of its course over the step.
+void add_outer_wrenches(const Scene& scene, double step_s, std::size_t step,
+                        std::span<const State> states, std::span<Wrench> wrenches);
 
 class Stepper {
  public:
@@ -28,6 +31,9 @@ class Stepper {
   // engine fails.
   static Expected<Stepper> start(const Adapter& adapter, const World& world,
                                  const Settings& settings, Load load = {});
+  // The same with what acts on the scene, which must outlive the stepper.
+  static Expected<Stepper> start(const Adapter& adapter, const Scene& scene,
+                                 const Settings& settings);
 
   // One step. Fails as build() of the seam says of steps, with step and time in the reason.
   Expected<void> advance();
@@ -51,6 +57,7 @@ class Stepper {
   Stepper(const World& world, const Settings& settings, Load load);
 
   const World* world_;
+  const Scene* scene_ = nullptr;
   double step_s_;
   Load load_;
   std::unique_ptr<Simulation> simulation_;

@@ -55,8 +55,7 @@ double motion_bytes(const Cell& cell, const Scene& scene) {
 double motion_bytes(const Kind& kind, const Catalogues& catalogues) {
   const auto recorded = [](const Cell* cell) { return cell->recording.has_value(); };
   if (std::ranges::none_of(kind.cells, recorded)) return 0.0;
-  const Scenario* scenario = find_scenario(catalogues, kind.first->scenario);
-  const auto scene = build(*scenario, kind.first->parameters);
+  const auto scene = build(scenario_of(*kind.first, catalogues), kind.first->parameters);
   if (!scene) return 0.0;  // the trial says why it cannot be built
   double bytes = 0.0;
   for (const Cell* cell : kind.cells) {

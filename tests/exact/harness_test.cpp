@@ -11,6 +11,7 @@
 #include "experiments/exact/validation/metamorphic.hpp"
 #include "experiments/exact/validation/order.hpp"
 #include "experiments/exact/validation/stable_step.hpp"
+#include "experiments/step/stepper.hpp"
 #include "tests/exact/random_parameters.hpp"
 #include "tests/support/tolerance.hpp"
 
@@ -141,6 +142,38 @@ TEST(Images, ScaleEnergyAndGravity) {
   }
 }
 
+// A force that lasts gives the image of the velocity and spin that it gives here.
+TEST(Images, CarryForcesAlong) {
+  constexpr double k_push_step_s = 0.25;
+  State at;
+  at.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Vector3d(1.0, 2.0, 3.0).normalized()));
+  Scene scene;
+  scene.world.bodies = {solid_body("ball", SphereShape{0.5}, 2.0, at)};
+  scene.pushes = {{.body = 0,
+                   .force_n = {1.0, 2.0, -3.0},
+                   .torque_nm = {0.5, -0.25, 1.0},
+                   .point_m = {0.3, -0.2, 0.1},
+                   .times_s = {0.1, 0.6},
+                   .shares = {1.0, 0.5}}};
+  const auto gained = [](const Scene& of, double step_s) {
+    const Body& body = of.world.bodies[0];
+    std::vector<Wrench> wrenches(1);
+    add_outer_wrenches(of, step_s, 1, std::vector<State>{body.initial}, wrenches);
+    State state = body.initial;
+    state.velocity_mps = step_s / body.mass_kg * wrenches[0].force_n;
+    state.angular_velocity_radps = step_s / body.inertia_kgm2.x() * wrenches[0].torque_nm;
+    return state;
+  };
+  const State here = gained(scene, k_push_step_s);
+  EXPECT_GT(here.velocity_mps.norm(), 0.1);
+  for (const Symmetry& s : symmetries()) {
+    const State back = taken_back(gained(image(scene, s), s.time * k_push_step_s), s);
+    EXPECT_NEAR((back.velocity_mps - here.velocity_mps).norm(), 0.0, 1e-14) << s.name;
+    EXPECT_NEAR((back.angular_velocity_radps - here.angular_velocity_radps).norm(), 0.0, 1e-13)
+        << s.name;
+  }
+}
+
 TEST(Selection, KnowsAllFamiliesAndIds) {
   const auto cases = exact_cases();
   EXPECT_EQ(select_cases(cases, "all").size(), cases.size());
@@ -198,6 +231,11 @@ TEST(StableStep, BracketHoldsTheLimit) {
   EXPECT_NE(largest_stable_step(adapter, settings, scene, search).outcome, "ok");
   world.bodies[0].initial.velocity_mps.x() = 0.0;
   scene.blows.push_back({.body = 0, .impulse_ns = {1.0, 0.0, 0.0}});
+  EXPECT_NE(largest_stable_step(adapter, settings, scene, search).outcome, "ok");
+  scene.blows.clear();
+  EXPECT_EQ(largest_stable_step(adapter, settings, scene, search).outcome, "ok");
+  scene.pushes.push_back(
+      {.body = 0, .force_n = {1.0, 0.0, 0.0}, .times_s = {0, 1}, .shares = {1, 1}});
   EXPECT_NE(largest_stable_step(adapter, settings, scene, search).outcome, "ok");
 }
 

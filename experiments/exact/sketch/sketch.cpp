@@ -8,6 +8,8 @@
 
 #include "adapters/seam/shape.hpp"
 #include "experiments/exact/sketch/sketch_view.hpp"
+#include "experiments/record/markup.hpp"
+#include "experiments/step/stepper.hpp"
 
 namespace brickbench::exact {
 namespace {
@@ -33,8 +35,8 @@ std::string number(double value) { return fmt::format("{:.3g}", value); }
 
 class Drawing {
  public:
-  Drawing(const ExactCase& exact_case, const ExactRun& run)
-      : case_(exact_case), run_(run), view_(choose_view(run)) {
+  Drawing(std::string title, bool contacts, const ExactRun& run)
+      : title_(escape_markup(title)), contacts_(contacts), run_(run), view_(choose_view(run)) {
     crowded_ = std::ranges::count(run.world.bodies, false, &Body::fixed) > k_labelled_bodies;
     fit();
   }
@@ -127,7 +129,7 @@ class Drawing {
     put("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
         "height=\"{1}\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\">",
         k_width_px, k_stage_px + 40.0);
-    put("<title>{}: the start, seen along {}</title>", case_.id, "xyz"[view_.across()]);
+    put("<title>{}: the start, seen along {}</title>", title_, "xyz"[view_.across()]);
     put("<defs><clipPath id=\"stage\"><rect width=\"{}\" height=\"{}\"/></clipPath>", k_width_px,
         k_stage_px);
     for (const char* colour : {k_motion, k_force, k_text}) {
@@ -324,7 +326,7 @@ class Drawing {
   }
 
   static std::string describe(const Body& body) {
-    std::string text = body.name + ": ";
+    std::string text = escape_markup(body.name) + ": ";
     text += by_shape(
         body.shape,
         [](const BoxShape& box) {
@@ -348,7 +350,7 @@ class Drawing {
     }
     if (moving.size() > 2) first += fmt::format("; and {} more", moving.size() - 2);
     std::string second = fmt::format("Seen along {}.", "xyz"[view_.across()]);
-    if (case_.needs.contacts != Contacts::none) {
+    if (contacts_) {
       second += fmt::format(" Friction {}, restitution {}{}.", number(run_.world.law.friction),
                             number(run_.world.law.restitution),
                             run_.world.exceptions.empty() ? "" : ", other laws for some pairs");
@@ -363,7 +365,8 @@ class Drawing {
     put("<text x=\"14\" y=\"{:.1f}\" fill=\"{}\">{}</text>", y, k_text, text);
   }
 
-  const ExactCase& case_;
+  std::string title_;
+  bool contacts_;
   const ExactRun& run_;
   SketchView view_;
   double scale_ = 1.0;  // pixels per metre
@@ -376,7 +379,24 @@ class Drawing {
 }  // namespace
 
 std::string sketch_svg(const ExactCase& exact_case, const ExactRun& run) {
-  return Drawing(exact_case, run).svg();
+  return Drawing(exact_case.id, exact_case.needs.contacts != Contacts::none, run).svg();
+}
+
+std::string sketch_svg(const std::string& title, double duration_s, const Scene& scene) {
+  constexpr std::size_t k_steps = 1000;
+  ExactRun run;
+  run.world = scene.world;
+  run.steps = k_steps;
+  run.step_s = duration_s / static_cast<double>(k_steps);
+  if (!scene.blows.empty() || !scene.pushes.empty()) {
+    std::vector<State> states;
+    for (const Body& body : scene.world.bodies) states.push_back(body.initial);
+    run.load = [&scene, states, step_s = run.step_s](std::size_t step, double,
+                                                     std::span<Wrench> wrenches) {
+      add_outer_wrenches(scene, step_s, step, states, wrenches);
+    };
+  }
+  return Drawing(title, scene.world.bodies.size() > 1, run).svg();
 }
 
 }  // namespace brickbench::exact

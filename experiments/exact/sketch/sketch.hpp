@@ -14,4 +14,8 @@ namespace brickbench::exact {
 // transparent and the strokes are of middle tone, for light pages and dark ones.
 std::string sketch_svg(const ExactCase& exact_case, const ExactRun& run);
 
+// The start of a scene that is no case, the same way; forces are those that its bodies would feel
+// half-way through duration_s if nothing turned.
+std::string sketch_svg(const std::string& title, double duration_s, const Scene& scene);
+
 }  // namespace brickbench::exact

@@ -118,6 +118,18 @@ Scene image(const Scene& scene, const Symmetry& s) {
     blow.impulse_ns = s.turn * (impulse * blow.impulse_ns);
     blow.angular_impulse_nms = s.turn * (impulse * s.length * blow.angular_impulse_nms);
   }
+  const double force = impulse / s.time;
+  for (Push& push : out.pushes) {
+    if (s.mirror) {
+      push.force_n = reflected(push.force_n);
+      push.torque_nm = reflected_spin(push.torque_nm);
+      push.point_m = reflected(push.point_m);
+    }
+    for (double& time_s : push.times_s) time_s *= s.time;
+    push.force_n = s.turn * (force * push.force_n);
+    push.torque_nm = s.turn * (force * s.length * push.torque_nm);
+    push.point_m *= s.length;
+  }
   return out;
 }
 
@@ -133,9 +145,8 @@ MetamorphicResult compare_image(const Adapter& adapter, const Settings& settings
   Settings image_settings = settings;
   image_settings.step_s *= symmetry.time;
   const Scene other = image(scene, symmetry);
-  auto here = Stepper::start(adapter, scene.world, settings, blows_of(scene, settings.step_s));
-  auto there =
-      Stepper::start(adapter, other.world, image_settings, blows_of(other, image_settings.step_s));
+  auto here = Stepper::start(adapter, scene, settings);
+  auto there = Stepper::start(adapter, other, image_settings);
   if (!here) return note(here.error());
   if (!there) return note(there.error());
   const std::size_t stride = std::max<std::size_t>(1, steps / k_samples);

@@ -56,10 +56,10 @@ StableStep largest_stable_step(const Adapter& adapter, const Settings& settings,
     return body.initial.velocity_mps.norm() > 0.0 ||
            body.initial.angular_velocity_radps.norm() > 0.0;
   });
-  if (moves || !scene.blows.empty()) {
+  if (moves || !scene.blows.empty() || !scene.pushes.empty()) {
     result.outcome = to_outcome(Fault::invalid);
     result.reason = moves ? "a body starts with a velocity: only scenes at rest have a stable step"
-                          : "a blow sets a body in motion: only scenes at rest have a stable step";
+                          : "blows or forces act: only scenes at rest have a stable step";
     return result;
   }
   // Whether the scene stays with this step; notes the largest that held and the last that failed.

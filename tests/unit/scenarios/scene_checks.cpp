@@ -75,14 +75,24 @@ std::string image(const Scene& scene) {
   for (const Body& body : scene.world.bodies) {
     const Eigen::Vector4d q = body.initial.orientation.coeffs();
     text += fmt::format(
-        "{} shape {} {} fixed {} m {} I {} x {} q {} {} {} {} v {} w {}\n", body.name,
-        body.shape.index(), is_plane(body) ? "" : image(half_extents_m(body.shape)), body.fixed,
-        body.mass_kg, image(body.inertia_kgm2), image(body.initial.position_m), q[0], q[1], q[2],
-        q[3], image(body.initial.velocity_mps), image(body.initial.angular_velocity_radps));
+        "{} surface {} shape {} {} fixed {} m {} I {} x {} q {} {} {} {} v {} w {}\n", body.name,
+        body.surface, body.shape.index(), is_plane(body) ? "" : image(half_extents_m(body.shape)),
+        body.fixed, body.mass_kg, image(body.inertia_kgm2), image(body.initial.position_m), q[0],
+        q[1], q[2], q[3], image(body.initial.velocity_mps),
+        image(body.initial.angular_velocity_radps));
   }
   for (const Blow& blow : scene.blows) {
     text += fmt::format("blow {} {} {} {}\n", blow.body, blow.time_s, image(blow.impulse_ns),
                         image(blow.angular_impulse_nms));
+  }
+  for (const Push& push : scene.pushes) {
+    text += fmt::format("push {} {} {} {} {} {}\n", push.body, image(push.force_n),
+                        image(push.torque_nm), image(push.point_m), fmt::join(push.times_s, ","),
+                        fmt::join(push.shares, ","));
+  }
+  for (const PairLaw& pair : scene.world.exceptions) {
+    text += fmt::format("pair {} {} {} {}\n", pair.surface_a, pair.surface_b, pair.law.friction,
+                        pair.law.restitution);
   }
   return text + fmt::format("bricks {} projectiles {}\n", fmt::join(scene.bricks, ","),
                             fmt::join(scene.projectiles, ","));

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "tests/support/fake_engine.hpp"
@@ -42,8 +44,7 @@ TEST(Stepper, AppliesEachBlowInTheStepThatContainsIt) {
                     .time_s = steps * k_step_s,
                     .impulse_ns = impulse,
                     .angular_impulse_nms = turn}};
-    auto stepper =
-        Stepper::start(adapter, scene.world, settings_of(adapter), blows_of(scene, k_step_s));
+    auto stepper = Stepper::start(adapter, scene, settings_of(adapter));
     ASSERT_TRUE(stepper) << stepper.error().reason;
     const Body& body = scene.world.bodies[1];
     const auto expected_step = static_cast<std::size_t>(steps + 1e-9) + 1;
@@ -59,6 +60,62 @@ TEST(Stepper, AppliesEachBlowInTheStepThatContainsIt) {
       EXPECT_EQ(stepper->wrenches()[1].force_n.norm() > 0.0, stepper->done() == expected_step);
     }
   }
+}
+
+// Whatever its course and wherever its corners fall between steps, a force has given by the end
+// what the course has below it: steps of any length give the same impulse.
+TEST(Stepper, GivesAForceItsMeanOverEachStep) {
+  const Adapter adapter = correct_fake();
+  struct Course {
+    std::vector<double> times_s;
+    std::vector<double> shares;
+    double integral_s;  // over 0 .. 0.1 s
+  };
+  const double inf = std::numeric_limits<double>::infinity();
+  const Course courses[] = {{{0.0, inf}, {1.0, 1.0}, 0.1},
+                            {{0.0173, 0.0631}, {1.0, 1.0}, 0.0458},
+                            {{0.0, 0.05, 1e9}, {0.0, 1.0, 1.0}, 0.075},
+                            {{0.013, 0.037, 0.037, 0.061}, {0.0, 2.0, -1.0, 0.0}, 0.012},
+                            {{0.02, 0.02}, {1.0, 1.0}, 0.0},
+                            {{0.5, 0.6}, {1.0, 1.0}, 0.0}};
+  for (const Course& course : courses) {
+    for (const double step_s : {0.001, 0.0025, 0.1}) {
+      Scene scene = two_bricks();
+      scene.pushes = {{.body = 1,
+                       .force_n = {1.0, -2.0, 0.0},
+                       .times_s = course.times_s,
+                       .shares = course.shares}};
+      Settings settings = settings_of(adapter);
+      settings.step_s = step_s;
+      auto stepper = Stepper::start(adapter, scene, settings).value();
+      while (stepper.time_s() < 0.1 - 0.5 * step_s) ASSERT_TRUE(stepper.advance());
+      const Vector3d momentum = scene.world.bodies[1].mass_kg * stepper.states()[1].velocity_mps;
+      EXPECT_NEAR((momentum - course.integral_s * Vector3d(1.0, -2.0, 0.0)).norm(), 0.0, 1e-12)
+          << course.times_s.front() << " s, step " << step_s;
+      EXPECT_EQ(stepper.states()[0].velocity_mps.norm(), 0.0);
+    }
+  }
+}
+
+// A force at a point of the body has the lever arm of the attitude at the step's start.
+TEST(OuterWrenches, TurnWithTheBody) {
+  Scene scene = two_bricks();
+  scene.pushes = {{.body = 1,
+                   .force_n = {0.0, 3.0, 0.0},
+                   .torque_nm = {0.5, 0.0, 0.0},
+                   .point_m = {2.0, 0.0, 0.0},
+                   .times_s = {0.0, 1.0},
+                   .shares = {1.0, 1.0}}};
+  std::vector<State> states(scene.world.bodies.size());
+  std::vector<Wrench> wrenches(states.size());
+  add_outer_wrenches(scene, 0.1, 3, states, wrenches);
+  EXPECT_NEAR((wrenches[1].torque_nm - Vector3d(0.5, 0.0, 6.0)).norm(), 0.0, 1e-15);
+  states[1].orientation = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vector3d::UnitY());
+  wrenches.assign(states.size(), Wrench{});
+  add_outer_wrenches(scene, 0.1, 3, states, wrenches);
+  EXPECT_NEAR((wrenches[1].torque_nm - Vector3d(6.5, 0.0, 0.0)).norm(), 0.0, 1e-14);
+  EXPECT_EQ(wrenches[1].force_n, Vector3d(0.0, 3.0, 0.0));
+  EXPECT_TRUE(wrenches[0].force_n.isZero());
 }
 
 TEST(Stepper, SaysWhenAndWhereAStateIsNotFinite) {
@@ -98,8 +155,7 @@ TEST(Stepper, ResumesFromStates) {
   const Adapter adapter = correct_fake();
   Scene scene = two_bricks();
   scene.blows = {{.body = 0, .time_s = 5.5 * k_step_s, .impulse_ns = {8.0, 0.0, 0.0}}};
-  auto stepper =
-      Stepper::start(adapter, scene.world, settings_of(adapter), blows_of(scene, k_step_s)).value();
+  auto stepper = Stepper::start(adapter, scene, settings_of(adapter)).value();
   std::vector<State> states(stepper.states().begin(), stepper.states().end());
   states[0].position_m.x() = -3.0;
   ASSERT_TRUE(stepper.resume(states, 5));

@@ -1,4 +1,4 @@
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
