@@ -6,7 +6,7 @@
 
 #include "cli/complain.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 
 namespace {
 
@@ -55,6 +55,8 @@ int run(int argc, char** argv) {
   add_bless_verb(app, invocation);
   add_oracle_verb(app, invocation);
   add_hunt_verb(app, invocation);
+  add_scene_verb(app, invocation);
+  add_threshold_verb(app, invocation);
   add_doctor_verb(app, invocation);
   add_completion_verb(app, invocation);
   if (const std::string wrong = unknown_verb(app, invocation.arguments); !wrong.empty()) {

@@ -38,6 +38,8 @@ void add_hunt_verb(CLI::App& app, Invocation& invocation);
 void add_completion_verb(CLI::App& app, Invocation& invocation);
 void add_figure_verb(CLI::App& app, Invocation& invocation);
 void add_table_verb(CLI::App& app, Invocation& invocation);
+void add_scene_verb(CLI::App& app, Invocation& invocation);
+void add_threshold_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
 }  // namespace brickbench

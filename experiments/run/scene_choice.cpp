@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "experiments/scenes/scene_file.hpp"
@@ -22,6 +23,19 @@ fs::path from_file(const fs::path& path, const fs::path& file) {
   return (file.parent_path() / path).lexically_normal();
 }
 
+// The scene files in the folder of a path.
+std::vector<std::string> files_beside(const fs::path& path) {
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (is_scene_file(name)) names.push_back(name);
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
 }  // namespace
 
 Checked<SceneChoice> choose_scene(const InputValue& name, const Catalogues& catalogues) {
@@ -35,7 +49,9 @@ Checked<SceneChoice> choose_scene(const InputValue& name, const Catalogues& cata
   const fs::path path = from_file(name.text, name.at.file);
   std::error_code error;
   if (!fs::exists(path, error) || fs::is_directory(path, error)) {
-    return complaint(name.at, fmt::format("no scene file {}", path.string()));
+    return complaint(name.at,
+                     fmt::format("no scene file {}{}", path.string(),
+                                 known_names(path.filename().string(), files_beside(path))));
   }
   auto read = read_scene(path);
   if (!read) return tl::unexpected(read.error());

@@ -111,8 +111,8 @@ TEST(SceneFiles, AreAllSound) {
   EXPECT_GE(count, 11u);
 }
 
-constexpr Tolerance k_sliding = {"speed of sliding boxes (m/s)", 1e-2, 1e-3,
-                                 "first order in the step"};
+constexpr Tolerance k_sliding = {"speed of sliding boxes (m/s)", 1e-5, 8.6e-7,
+                                 "what the solver leaves of the law in each of 500 steps"};
 
 TEST(SceneFiles, BoxesSlideAsCoulombSays) {
   Worst worst;
@@ -147,8 +147,8 @@ TEST(SceneFiles, BoxesSlideAsCoulombSays) {
   EXPECT_TRUE(worst.within(k_sliding));
 }
 
-constexpr Tolerance k_rolling = {"speeds of box and balls (m/s)", 1e-2, 1e-3,
-                                 "first order in the step"};
+constexpr Tolerance k_rolling = {"speeds of box and balls (m/s)", 4e-8, 2.3e-9,
+                                 "what the solver leaves of the law in each of 500 steps"};
 
 // Friction of the ground holds back the weight of all; a ball that rolls without sliding on a box
 // of acceleration a has 2/7 a, and holds the box back with 2/7 m a.
@@ -168,7 +168,8 @@ TEST(SceneFiles, BallsRollOnTheDraggedBox) {
   EXPECT_TRUE(worst.within(k_rolling));
 }
 
-constexpr Tolerance k_standing = {"way of what stands (m)", 1e-4, 1e-5, "none moves in truth"};
+constexpr Tolerance k_standing = {"way of what stands (m)", 2e-12, 1.1e-13,
+                                  "rounding at coordinates of 1000 m"};
 
 TEST(SceneFiles, WhatStandsStands) {
   Worst worst;

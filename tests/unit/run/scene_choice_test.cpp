@@ -142,7 +142,7 @@ TEST_F(SceneFiles, AreRefusedWithAPlace) {
     const char* words;
   };
   const Case cases[] = {
-      {experiment("../worlds/bals.toml"), "plans/p.toml:3:12: ", "no scene file"},
+      {experiment("../worlds/bals.toml"), "plans/p.toml:3:12: ", "did you mean 'balls.toml'"},
       {experiment("../worlds"), "plans/p.toml:3:12: ", "no scenario"},
       {experiment("../worlds/fall.toml"), "plans/p.toml:3:12: ", "compiled scene fall"},
       {experiment("../worlds/bad.toml"), "worlds/bad.toml:1:9: ", "title must be a string"},
