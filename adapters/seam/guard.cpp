@@ -57,6 +57,7 @@ class Guarded final : public Simulation, StateView {
   const ContactView* contact_view() const override { return engine_->contact_view(); }
   const AuditView* audit_view() const override { return engine_->audit_view(); }
   const DiagnosticView* diagnostic_view() const override { return engine_->diagnostic_view(); }
+  const CostView* cost_view() const override { return engine_->cost_view(); }
   StateView* state_view() override { return this; }
 
   Expected<void> set_state(std::span<const State> states) override {

@@ -93,6 +93,16 @@ class DiagnosticView {
   virtual Flags tellable() const { return {}; }
 };
 
+// Optional view: what the engine says it took, where it runs in a process of its own and the time
+// of the caller is not its own.
+class CostView {
+ public:
+  virtual ~CostView() = default;
+  // CPU time (s) of all the engine's threads, without the transport: of building, of the last step.
+  virtual double build_cpu_s() const = 0;
+  virtual double step_cpu_s() const = 0;
+};
+
 class Simulation {
  public:
   Simulation() = default;
@@ -113,6 +123,7 @@ class Simulation {
   virtual StateView* state_view() { return nullptr; }
   virtual const AuditView* audit_view() const { return nullptr; }
   virtual const DiagnosticView* diagnostic_view() const { return nullptr; }
+  virtual const CostView* cost_view() const { return nullptr; }
 };
 
 }  // namespace brickbench

@@ -62,8 +62,9 @@ Expected<Stepper> Stepper::start(const Adapter& adapter, const World& world,
   auto built = build(adapter, world, settings);
   build_clock.stop();
   if (!built) return tl::unexpected(built.error());
-  stepper.build_cpu_s_ = build_clock.total_s();
   stepper.simulation_ = std::move(*built);
+  const CostView* cost = stepper.simulation_->cost_view();
+  stepper.build_cpu_s_ = cost == nullptr ? build_clock.total_s() : cost->build_cpu_s();
   stepper.simulation_->read(stepper.states_);
   return stepper;
 }
@@ -83,7 +84,11 @@ Expected<void> Stepper::advance() {
   simulation_->apply(wrenches_);
   clock_.start();
   auto result = simulation_->step();
-  clock_.stop();
+  if (const CostView* cost = simulation_->cost_view(); cost == nullptr) {
+    clock_.stop();
+  } else if (result) {
+    clock_.add(cost->step_cpu_s());
+  }
   if (!result) {
     return fail(result.error().fault,
                 fmt::format("step {} ({} s): {}", done_, time_s(), result.error().reason));

@@ -150,6 +150,37 @@ TEST(Stepper, PassesOnWhyNothingIsBuilt) {
   EXPECT_EQ(stepper.error().fault, Fault::unsupported);
 }
 
+// Built and stepped at a stated price.
+class Priced final : public Simulation, CostView {
+ public:
+  explicit Priced(std::unique_ptr<Simulation> inner) : inner_(std::move(inner)) {}
+  void apply(std::span<const Wrench> wrenches) override { inner_->apply(wrenches); }
+  Expected<void> step() override { return inner_->step(); }
+  void read(std::span<State> states) const override { inner_->read(states); }
+  const CostView* cost_view() const override { return this; }
+
+ private:
+  double build_cpu_s() const override { return 7.0; }
+  double step_cpu_s() const override { return 2.0; }
+  std::unique_ptr<Simulation> inner_;
+};
+
+// An engine that says what it took is billed that, and not what the way to it costs here.
+TEST(Stepper, BillsWhatTheEngineSaysOfItsCost) {
+  Adapter adapter = correct_fake();
+  adapter.build = [inner = adapter.build](
+                      const World& world,
+                      const Settings& settings) -> Expected<std::unique_ptr<Simulation>> {
+    return std::make_unique<Priced>(inner(world, settings).value());
+  };
+  const Scene scene = two_bricks();
+  auto stepper = Stepper::start(adapter, scene.world, settings_of(adapter)).value();
+  EXPECT_EQ(stepper.build_cpu_s(), 7.0);
+  for (int step = 0; step < 5; ++step) ASSERT_TRUE(stepper.advance());
+  EXPECT_EQ(stepper.clock().steps(), 5u);
+  EXPECT_EQ(stepper.clock().total_s(), 10.0);
+}
+
 // Continued from given states at a given step: the load is that of the step, not of the count.
 TEST(Stepper, ResumesFromStates) {
   const Adapter adapter = correct_fake();
