@@ -94,6 +94,7 @@ TEST(Rules, EachSeesTheViolationItIsThereFor) {
       {check_includes, "ourengine/baraff/body.cpp", "#include \"adapters/seam/world.hpp\"\n"},
       {check_includes, "adapters/seam/simulation.hpp", "#include \"adapters/catalog.hpp\"\n"},
       {check_includes, "adapters/ode_joint.cpp", "#include \"experiments/run/cell.hpp\"\n"},
+      {check_includes, "adapters/remote/link.cpp", "#include \"adapters/catalog.hpp\"\n"},
       {check_includes, "adapters/ode_joint.cpp", "#include \"ourengine/baraff/body.hpp\"\n"},
       {check_includes, "adapters/ode_joint.cpp", "#include <mujoco/mujoco.h>\n"},
       {check_includes, "experiments/metrics/energy.cpp",

@@ -33,8 +33,9 @@ std::vector<Finding> check_type_names(const Tree& tree);
 // Branches on the shape of a body are exhaustive: no get_if or holds_alternative of a shape of the
 // seam or of ourengine, so that a new shape does not compile until every place has its case.
 std::vector<Finding> check_shapes(const Tree& tree);
-// An engine is stepped in one place, experiments/step: only there do blows act, times count, and
-// states that are not finite end a run, in the same way for all who look.
+// An engine is stepped in one place, experiments/step, and where the rules of the seam are asked:
+// only there do blows act, times count, and states that are not finite end a run, in the same way
+// for all who look.
 std::vector<Finding> check_stepping(const Tree& tree);
 // Markdown of the root and of docs/ names, in `backquotes`, only files and folders that exist.
 std::vector<Finding> check_documents(const Tree& tree);
