@@ -7,10 +7,16 @@
 #include <string_view>
 
 #include "adapters/catalog.hpp"
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 
 namespace brickbench::testing {
 namespace {
+
+using conformance::all_checks;
+using conformance::Check;
+using conformance::Outcome;
+using conformance::Subject;
+using conformance::Verdict;
 
 class CheckTest : public ::testing::Test {
  public:

@@ -3,11 +3,17 @@
 
 #include <map>
 
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 #include "tests/support/fake_engine.hpp"
 
 namespace brickbench::testing {
 namespace {
+
+using conformance::all_checks;
+using conformance::Check;
+using conformance::Outcome;
+using conformance::Subject;
+using conformance::Verdict;
 
 Subject subject(Defect defect) {
   const Adapter adapter = fake_adapter(defect);

@@ -1,56 +1,27 @@
-// A named tolerance: value, derivation, and the residual last observed. TOL_SCALE=0 in the
-// environment shows every residual; TOL_SCALE=s multiplies every tolerance by s.
+// The tolerances of experiments/conformance/tolerance.hpp for GoogleTest.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdlib>
-#include <string>
+#include "experiments/conformance/tolerance.hpp"
 
 namespace brickbench::testing {
 
-struct Tolerance {
-  const char* name;
-  double value;
-  double observed;         // largest residual seen when the value was set; value <= 20 * observed
-  const char* derivation;  // one line
-};
+using conformance::Tolerance;
+using conformance::tolerance_scale;
 
-inline double tolerance_scale() {
-  const char* text = std::getenv("TOL_SCALE");
-  return text == nullptr ? 1.0 : std::strtod(text, nullptr);
-}
-
-// Keeps the worst offender of a loop; assert once, at the end, with EXPECT_TRUE(worst.within(tol)).
-class Worst {
+// Assert once, at the end of a loop, with EXPECT_TRUE(worst.within(tol)).
+class Worst : public conformance::Worst {
  public:
-  // NaN counts as infinitely bad.
-  void see(double residual, const std::string& where) {
-    const double size = std::isnan(residual) ? HUGE_VAL : std::abs(residual);
-    if (empty_ || size > residual_) {
-      residual_ = size;
-      where_ = where;
-      empty_ = false;
-    }
-  }
-
   ::testing::AssertionResult within(const Tolerance& tolerance) const {
-    if (empty_) return ::testing::AssertionFailure() << tolerance.name << ": nothing was compared";
+    if (empty()) return ::testing::AssertionFailure() << tolerance.name << ": nothing was compared";
     const double allowed = tolerance.value * tolerance_scale();
     auto result =
-        residual_ <= allowed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure();
-    return result << tolerance.name << ": residual " << residual_ << " against " << allowed << " ("
+        residual() <= allowed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure();
+    return result << tolerance.name << ": residual " << residual() << " against " << allowed << " ("
                   << tolerance.derivation << "; last observed " << tolerance.observed << ") at "
-                  << where_;
+                  << where();
   }
-
-  double residual() const { return residual_; }
-
- private:
-  double residual_ = 0.0;
-  std::string where_;
-  bool empty_ = true;
 };
 
 }  // namespace brickbench::testing

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "adapters/seam/adapter.hpp"
-#include "tests/support/tolerance.hpp"
+#include "experiments/conformance/tolerance.hpp"
 
-namespace brickbench::testing {
+namespace brickbench::conformance {
 
 enum class Outcome {
   passed,
@@ -79,4 +79,4 @@ Verdict within(const Worst& worst, const Tolerance& tolerance);
 Verdict passed();
 Verdict failed(std::string detail);
 
-}  // namespace brickbench::testing
+}  // namespace brickbench::conformance

@@ -1,9 +1,9 @@
 // Rules about repeating a run, and about starting from a given state.
 #include <fmt/core.h>
 
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 
-namespace brickbench::testing {
+namespace brickbench::conformance {
 namespace {
 
 constexpr int k_steps = 120;
@@ -144,4 +144,4 @@ std::vector<Check> repetition_checks() {
   };
 }
 
-}  // namespace brickbench::testing
+}  // namespace brickbench::conformance

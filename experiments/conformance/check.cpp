@@ -1,4 +1,4 @@
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 
 #include <fmt/core.h>
 
@@ -6,7 +6,7 @@
 
 #include "adapters/seam/shape.hpp"
 
-namespace brickbench::testing {
+namespace brickbench::conformance {
 
 Expected<std::unique_ptr<Simulation>> Subject::build(const World& world, double step_s) const {
   Settings settings;
@@ -34,8 +34,11 @@ Verdict passed() { return {}; }
 Verdict failed(std::string detail) { return {Outcome::failed, std::move(detail)}; }
 
 Verdict within(const Worst& worst, const Tolerance& tolerance) {
-  const auto result = worst.within(tolerance);
-  return {result ? Outcome::passed : Outcome::failed, result.message()};
+  if (worst.empty()) return failed(fmt::format("{}: nothing was compared", tolerance.name));
+  const double allowed = tolerance.value * tolerance_scale();
+  return {worst.residual() <= allowed ? Outcome::passed : Outcome::failed,
+          fmt::format("{}: residual {} against {} ({}) at {}", tolerance.name, worst.residual(),
+                      allowed, tolerance.derivation, worst.where())};
 }
 
 Verdict guarded(const std::function<Verdict()>& body) {
@@ -92,4 +95,4 @@ States run(const Subject& subject, const World& world, double step_s, int steps,
   return states;
 }
 
-}  // namespace brickbench::testing
+}  // namespace brickbench::conformance

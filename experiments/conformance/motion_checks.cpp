@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 
-namespace brickbench::testing {
+namespace brickbench::conformance {
 namespace {
 
 // A box with three different moments of inertia, turned away from all axes.
@@ -217,4 +217,4 @@ std::vector<Check> motion_checks() {
   };
 }
 
-}  // namespace brickbench::testing
+}  // namespace brickbench::conformance

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 
-namespace brickbench::testing {
+namespace brickbench::conformance {
 namespace {
 
 constexpr double k_g_mps2 = 9.81;
@@ -254,4 +254,4 @@ std::vector<Check> contact_checks() {
   };
 }
 
-}  // namespace brickbench::testing
+}  // namespace brickbench::conformance

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "adapters/seam/shape.hpp"
-#include "tests/conformance/check.hpp"
+#include "experiments/conformance/check.hpp"
 
-namespace brickbench::testing {
+namespace brickbench::conformance {
 namespace {
 
 // Bodies of all shapes far apart, with laws of pairs of their own; `friction` scales all of them.
@@ -199,4 +199,4 @@ std::vector<Check> bookkeeping_checks() {
   };
 }
 
-}  // namespace brickbench::testing
+}  // namespace brickbench::conformance
