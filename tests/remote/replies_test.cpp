@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <new>
 
@@ -119,6 +120,33 @@ TEST(Replies, WhatIsWrittenIsRead) {
   const auto audit = to_audit(to_json(an_audit()), 100000);
   ASSERT_TRUE(audit) << audit.error().reason;
   EXPECT_EQ(to_json(*audit), to_json(an_audit()));
+}
+
+std::vector<std::string> json_blocks(const std::string& file) {
+  std::ifstream page(file);
+  std::vector<std::string> blocks;
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line == "```json") blocks.emplace_back();
+    if (inside && line != "```") blocks.back() += line + '\n';
+    inside = line == "```json" || (inside && line != "```");
+  }
+  return blocks;
+}
+
+// The examples of the page are what the readers take.
+TEST(Replies, TheExamplesOfThePageAreRight) {
+  const auto blocks = json_blocks("docs/protocol.md");
+  ASSERT_EQ(blocks.size(), 4U);
+  const auto hello = to_hello(blocks[0]);
+  const auto order = to_build_order(blocks[1], k_most_json_bytes);
+  const auto built = to_built(blocks[2]);
+  const auto audit = to_audit(blocks[3], k_most_json_bytes);
+  EXPECT_TRUE(hello) << hello.error().reason;
+  ASSERT_TRUE(order) << order.error().reason;
+  EXPECT_TRUE(built) << built.error().reason;
+  EXPECT_TRUE(audit) << audit.error().reason;
+  EXPECT_TRUE(validate(order->world));
 }
 
 // Numbers out of range, names that are none, and lists that contradict each other.
