@@ -29,11 +29,13 @@ Catalogues all_catalogues() {
   return catalogues;
 }
 
-std::vector<AbsentEngine> absent_engines() {
-  const Catalogues catalogues = all_catalogues();
+std::vector<AbsentEngine> absent_engines(const Catalogues& catalogues) {
   std::vector<AbsentEngine> absent;
   for (const std::string& name : catalogues.known_engines) {
-    if (find_adapter(catalogues, name) == nullptr) absent.push_back({name, ""});
+    if (find_adapter(catalogues, name) == nullptr) {
+      const auto why = catalogues.why_absent.find(name);
+      absent.push_back({name, "", why == catalogues.why_absent.end() ? "" : why->second});
+    }
   }
   for (const std::string& entry : split(BRICKBENCH_ENGINES_MISSING, ',')) {
     const auto colon = entry.find(':');

@@ -57,6 +57,8 @@ int run(int argc, char** argv) {
   add_hunt_verb(app, invocation);
   add_scene_verb(app, invocation);
   add_threshold_verb(app, invocation);
+  add_conformance_verb(app, invocation);
+  add_serve_verb(app, invocation);
   add_doctor_verb(app, invocation);
   add_completion_verb(app, invocation);
   if (const std::string wrong = unknown_verb(app, invocation.arguments); !wrong.empty()) {

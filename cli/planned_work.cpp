@@ -2,8 +2,8 @@
 
 #include <fmt/core.h>
 
-#include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/number_option.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
@@ -40,6 +40,7 @@ void add_overrides(CLI::App& verb, Overrides& overrides) {
 void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names) {
   verb.add_option(names, choice.plan, "Plan file, or the name of one of `list plans`")->required();
   add_overrides(verb, choice.overrides);
+  add_engine_files(verb, choice.engine_files);
 }
 
 std::optional<PlannedWork> planned_work(const PlanChoice& choice,
@@ -49,7 +50,9 @@ std::optional<PlannedWork> planned_work(const PlanChoice& choice,
     return std::nullopt;
   };
   PlannedWork work;
-  work.catalogues = all_catalogues();
+  auto catalogues = running_catalogues(choice.engine_files);
+  if (!catalogues) return bad(catalogues.error());
+  work.catalogues = std::move(*catalogues);
   const auto file = find_plan(choice.plan);
   if (!file) return bad(file.error());
   auto plan = read_plan(*file, work.catalogues, choice.overrides);
@@ -61,6 +64,7 @@ std::optional<PlannedWork> planned_work(const PlanChoice& choice,
   work.provenance = provenance_of(work.plan, work.catalogues);
   work.provenance.command = shell_command(arguments);
   work.provenance.set = choice.overrides.set;
+  work.provenance.engine_files = choice.engine_files;
   work.provenance.date_utc = now_utc();
   return work;
 }

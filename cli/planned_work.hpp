@@ -17,12 +17,13 @@ namespace brickbench {
 struct PlanChoice {
   std::string plan;
   Overrides overrides;
+  std::vector<std::string> engine_files;
 };
 
 // --set, --step, --duration, --engine and --only, which mean the same for every verb that has a
 // plan.
 void add_overrides(CLI::App& verb, Overrides& overrides);
-// The required plan, by CLI11's names for it, and add_overrides().
+// The required plan, by CLI11's names for it, add_overrides() and --engine-file.
 void add_plan_choice(CLI::App& verb, PlanChoice& choice, const std::string& names = "plan");
 
 struct PlannedWork {

@@ -8,9 +8,11 @@
 
 #include "cli/cell_output.hpp"
 #include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/terminal.hpp"
 #include "cli/validation_output.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/record/provenance.hpp"
 
 namespace brickbench {
 namespace {
@@ -30,6 +32,9 @@ JudgedCell judged(const CasesAsked& asked, const exact::ExactCase& exact_case,
   }
   out.verdict = exact::verdict_of(cell, out.question);
   out.reproduce = reproduce_cell(cell, given, asked.knob_text);
+  if (!asked.engine_files.empty()) {
+    out.reproduce += ' ' + shell_command(engine_file_words(asked.engine_files));
+  }
   out.cell = std::move(cell);
   return out;
 }

@@ -20,6 +20,7 @@ struct CasesAsked {
   bool json = false;
   std::string out = {};                     // a new folder for `report`; empty: none
   std::vector<std::string> knob_text = {};  // as typed
+  std::vector<std::string> engine_files = {};
   std::vector<std::string> arguments = {};  // as typed
 };
 

@@ -2,9 +2,9 @@
 
 #include <cstdlib>
 
-#include "cli/build_facts.hpp"
 #include "cli/check_output.hpp"
 #include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/planned_work.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
@@ -21,6 +21,7 @@ struct CheckOptions {
   std::string obtained;
   std::string junit;
   Overrides overrides;
+  std::vector<std::string> engine_files;
   std::size_t worst = 20;
   bool all_starts = false;
   bool json = false;
@@ -60,12 +61,15 @@ std::string command_of(const CheckOptions& options) {
   for (const std::string& setting : options.overrides.set) {
     words.insert(words.end(), {"--set", setting});
   }
+  for (const std::string& word : engine_file_words(options.engine_files)) words.push_back(word);
   if (options.all_starts) words.emplace_back("--all-starts");
   return shell_command(words);
 }
 
 int check(CheckOptions options) {
-  const Catalogues catalogues = all_catalogues();
+  const auto known = running_catalogues(options.engine_files);
+  if (!known) return complain(known.error().text(), k_exit_bad_input);
+  const Catalogues& catalogues = *known;
   const bool path =
       options.suite.find('/') != std::string::npos || options.suite.ends_with(".toml");
   const auto file = find_plan(path ? options.suite : "gate_" + options.suite);
@@ -127,6 +131,7 @@ void add_check_verb(CLI::App& app, Invocation& invocation) {
   auto options = std::make_shared<CheckOptions>();
   verb->add_option("suite", options->suite, "smoke, full, or the path of a plan; default smoke");
   add_overrides(*verb, options->overrides);
+  add_engine_files(*verb, options->engine_files);
   verb->add_option("--reference", options->reference,
                    "Folder of the references; default reference_data/baseline");
   verb->add_option("--obtained,--out", options->obtained,

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "adapters/seam/unit.hpp"
-#include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/hunt_output.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
@@ -27,6 +27,7 @@ constexpr std::size_t k_findings_shown = 30;  // findings on a screen
 
 struct HuntChoice {
   std::vector<std::string> engines = {"*/*"};
+  std::vector<std::string> engine_files;
   std::vector<std::string> scenes = {"all"};
   std::string budget = "60s";
   std::uint64_t seed = 1;
@@ -182,15 +183,16 @@ int replay(const HuntChoice& choice, const Catalogues& catalogues) {
 }
 
 int run_hunt_verb(const HuntChoice& choice) {
-  const Catalogues catalogues = all_catalogues();
+  const auto catalogues = running_catalogues(choice.engine_files);
+  if (!catalogues) return complain(catalogues.error().text(), k_exit_bad_input);
   const auto budget_s = seconds_of(choice.budget);
   if (!budget_s) {
     return complain(fmt::format("--budget {}: write 90s, 10min or 1h", choice.budget),
                     k_exit_bad_input);
   }
   try {
-    return choice.replay.empty() ? hunt_anew(choice, catalogues, *budget_s)
-                                 : replay(choice, catalogues);
+    return choice.replay.empty() ? hunt_anew(choice, *catalogues, *budget_s)
+                                 : replay(choice, *catalogues);
   } catch (const InputError& error) {
     return complain(error.text(), k_exit_bad_input);
   }
@@ -203,6 +205,7 @@ void add_hunt_verb(CLI::App& app, Invocation& invocation) {
       "hunt", "Draw random scenes, judge every engine by laws alone, shrink what breaks one");
   auto choice = std::make_shared<HuntChoice>();
   verb->add_option("--engine", choice->engines, "Engines and variants")->capture_default_str();
+  add_engine_files(*verb, choice->engine_files);
   verb->add_option("--scene", choice->scenes,
                    "Scenarios and exact cases, family.* too; all: every one")
       ->capture_default_str();

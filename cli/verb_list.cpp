@@ -6,6 +6,8 @@
 #include "adapters/seam/unit.hpp"
 #include "cli/build_facts.hpp"
 #include "cli/cases_json.hpp"
+#include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "cli/verbs_json.hpp"
@@ -19,9 +21,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json engines_json() {
+// Those that run, then programs that do not, with the `problem`.
+Json engines_json(const Catalogues& catalogues) {
   auto array = Json::array();
-  for (const Adapter& adapter : all_catalogues().adapters) {
+  for (const Adapter& adapter : catalogues.adapters) {
     auto variants = Json::array();
     for (const Variant& variant : adapter.variants) {
       variants.push_back(
@@ -44,6 +47,9 @@ Json engines_json() {
                      {"own", adapter.own},
                      {"variants", variants},
                      {"knobs", knobs}});
+  }
+  for (const auto& [name, why] : catalogues.why_absent) {
+    array.push_back({{"id", name}, {"problem", why}});
   }
   return array;
 }
@@ -181,11 +187,15 @@ void print_entry(const Json& entry) {
 
 struct ListOptions {
   std::string what;
+  std::vector<std::string> engine_files;
   bool json = false;
 };
 
 int list(const ListOptions& options, const CLI::App& app) {
-  const Json array = options.what == "engines"     ? engines_json()
+  Checked<Catalogues> catalogues;
+  if (options.what == "engines") catalogues = all_catalogues(options.engine_files);
+  if (!catalogues) return complain(catalogues.error().text(), k_exit_bad_input);
+  const Json array = options.what == "engines"     ? engines_json(*catalogues)
                      : options.what == "scenarios" ? scenarios_json()
                      : options.what == "metrics"   ? metrics_json()
                      : options.what == "cases"     ? cases_json()
@@ -208,6 +218,7 @@ void add_list_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("what", options->what, "engines, scenarios, metrics, cases, plans or verbs")
       ->required()
       ->check(CLI::IsMember({"engines", "scenarios", "metrics", "cases", "plans", "verbs"}));
+  add_engine_files(*verb, options->engine_files);
   verb->add_flag("--json", options->json, "An array of objects, each with an id");
   verb->callback([options, &app, &invocation] { invocation.exit_code = list(*options, app); });
 }

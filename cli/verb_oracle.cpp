@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "adapters/seam/unit.hpp"
-#include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/json_number.hpp"
 #include "cli/number_option.hpp"
 #include "cli/terminal.hpp"
@@ -28,6 +28,7 @@ struct OracleOptions {
   std::string scenario = "brick_wall";
   std::vector<std::string> set;  // key=number of the scenario
   std::vector<std::string> engines = {"all"};
+  std::vector<std::string> engine_files;
   std::string against;  // of defect: engine B
   double step_s = 0.001;
   double duration_s = 0.5;
@@ -321,7 +322,9 @@ int act(Action action, const OracleOptions& options) {
                                 options.duration_s, options.step_s, steps, k_most_steps),
                     k_exit_bad_input);
   }
-  const Catalogues catalogues = all_catalogues();
+  const auto known = running_catalogues(options.engine_files);
+  if (!known) return complain(known.error().text(), k_exit_bad_input);
+  const Catalogues& catalogues = *known;
   const auto engines = engines_of(options.engines, "--engine", catalogues);
   if (!engines) return complain(engines.error().text(), k_exit_bad_input);
   const std::vector<std::string> against =
@@ -338,6 +341,7 @@ CLI::App* add(CLI::App& parent, Invocation& invocation, const std::string& name,
   verb->add_option("--engine", options->engines, "Engine selector; may be repeated; default all")
       ->expected(1)
       ->take_all();
+  add_engine_files(*verb, options->engine_files);
   add_number(*verb, "--step", options->step_s, "Time step, s: 0.004 or 1/240", Sign::positive);
   add_number(*verb, "--duration", options->duration_s, "Simulated time, s", Sign::positive);
   CLI::Option* json =

@@ -121,6 +121,9 @@ std::vector<std::string> run_command(const SubmitChoice& choice, const fs::path&
   };
   for (const std::string& set : choice.plan.overrides.set) add("--set", set);
   for (const std::string& engine : choice.plan.overrides.engines) add("--engine", engine);
+  for (const std::string& file : choice.plan.engine_files) {
+    add("--engine-file", fs::absolute(file).string());
+  }
   if (!choice.plan.overrides.only.empty()) add("--only", choice.plan.overrides.only);
   add("--time-limit", fmt::format("{}", choice.time_limit_s));
   add("--memory-limit", fmt::format("{}", choice.memory_limit_mb));

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
+#include "cli/engine_files.hpp"
 #include "cli/json_number.hpp"
 #include "cli/report_output.hpp"
 #include "cli/validate_cases.hpp"
@@ -28,6 +28,7 @@ constexpr const char* k_questions = "reference_data/predictions/open_questions.c
 
 struct ValidateOptions {
   std::vector<std::string> engines = {"all"};
+  std::vector<std::string> engine_files;
   std::string cases = "all";
   bool predict = false;
   bool order = false;
@@ -209,6 +210,7 @@ int run_cases(const ValidateOptions& options, CasesAsked asked, const Catalogues
   asked.json = options.json;
   asked.out = options.out;
   asked.knob_text = options.knobs;
+  asked.engine_files = options.engine_files;
   asked.arguments = options.arguments;
   if (options.scan > 0) return scan_cases(asked, catalogues, options.scan, options.seed);
   if (!asked.parameters.empty()) {
@@ -233,7 +235,9 @@ ValidateOptions with_settings(ValidateOptions options) {
 }
 
 int validate(const ValidateOptions& options) {
-  const Catalogues catalogues = all_catalogues();
+  const auto known = running_catalogues(options.engine_files);
+  if (!known) return complain(known.error().text(), k_exit_bad_input);
+  const Catalogues& catalogues = *known;
   const auto knobs = parse_numbers("--knob", options.knobs);
   if (!knobs) return complain(knobs.error());
   const auto parameters = parse_numbers("--parameter", options.parameters);
@@ -274,6 +278,7 @@ void add_validate_verb(CLI::App& app, Invocation& invocation) {
   verb->add_option("--engine", options->engines, "Engine selector; may be repeated; default all")
       ->expected(1)
       ->take_all();
+  add_engine_files(*verb, options->engine_files);
   verb->add_option("--case", options->cases, "all, family.* or the id of one case");
   verb->add_flag("--predict", options->predict,
                  "Print what the schemes predict, as CSV, without running any engine");

@@ -40,6 +40,8 @@ void add_figure_verb(CLI::App& app, Invocation& invocation);
 void add_table_verb(CLI::App& app, Invocation& invocation);
 void add_scene_verb(CLI::App& app, Invocation& invocation);
 void add_threshold_verb(CLI::App& app, Invocation& invocation);
+void add_conformance_verb(CLI::App& app, Invocation& invocation);
+void add_serve_verb(CLI::App& app, Invocation& invocation);
 void add_doctor_verb(CLI::App& app, Invocation& invocation);
 
 }  // namespace brickbench

@@ -98,6 +98,7 @@ nlohmann::ordered_json to_json(const Provenance& provenance) {
           {"date_utc", provenance.date_utc},
           {"plan", provenance.plan},
           {"set", provenance.set},
+          {"engine_files", provenance.engine_files},
           {"title", provenance.title},
           {"analysis", provenance.analysis},
           {"machine", to_json(provenance.machine)},
@@ -114,6 +115,7 @@ Expected<Provenance> provenance_from_json(const nlohmann::ordered_json& json) {
     result.date_utc = json.at("date_utc");
     result.plan = json.at("plan");
     result.set = json.value("set", std::vector<std::string>());
+    result.engine_files = json.value("engine_files", std::vector<std::string>());
     result.title = json.at("title");
     result.analysis = json.at("analysis");
     const auto& machine = json.at("machine");

@@ -82,9 +82,10 @@ struct Provenance {
   Machine machine;
   std::vector<EngineRecord> engines;
   std::vector<MetricRecord> metrics;
-  std::vector<MethodRecord> methods = {};  // of the cells that were run, each once
-  std::vector<std::string> set = {};       // what the command set beside the plan: "key=value"
-  std::vector<SceneRecord> scenes = {};    // of files, each once
+  std::vector<MethodRecord> methods = {};      // of the cells that were run, each once
+  std::vector<std::string> engine_files = {};  // named beside the plan, as typed
+  std::vector<std::string> set = {};           // what the command set beside the plan: "key=value"
+  std::vector<SceneRecord> scenes = {};        // of files, each once
 };
 
 nlohmann::ordered_json to_json(const Machine& machine);

@@ -1,6 +1,7 @@
 // Catalogues: everything that a plan can name. Passed in by value or reference, never global.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,9 @@ namespace brickbench {
 struct Catalogues {
   std::vector<Scenario> scenarios;
   std::vector<MetricInfo> metrics;
-  std::vector<Adapter> adapters;           // linked into this build
+  std::vector<Adapter> adapters;           // linked into this build, and programs that run
   std::vector<std::string> known_engines;  // that the project has an adapter for, linked or not
+  std::map<std::string, std::string> why_absent = {};  // known engine -> why its program is no use
 };
 
 // nullptr if there is none of that name.

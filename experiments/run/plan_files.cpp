@@ -25,18 +25,7 @@ fs::path shown(const fs::path& path) {
   return error || relative.string().starts_with("..") ? path : relative;
 }
 
-}  // namespace
-
-std::vector<fs::path> plan_folders() {
-  const fs::path plans = fs::path("experiments") / "plans";
-  std::vector<fs::path> candidates = {plans};
-  fs::path above = program_folder();
-  for (int level = 0; level < 3 && !above.empty(); ++level) {
-    candidates.push_back(above / plans);
-    above = above.parent_path();
-  }
-  candidates.push_back(program_folder().parent_path() / "share" / "brickbench" / plans);
-  candidates.push_back(fs::path(BRICKBENCH_SOURCE_DIR) / plans);
+std::vector<fs::path> existing(const std::vector<fs::path>& candidates) {
   std::vector<fs::path> folders;
   std::vector<fs::path> real;
   for (const fs::path& candidate : candidates) {
@@ -47,6 +36,27 @@ std::vector<fs::path> plan_folders() {
     folders.push_back(candidate);
   }
   return folders;
+}
+
+}  // namespace
+
+std::vector<fs::path> data_folders(const fs::path& below) {
+  std::vector<fs::path> candidates;
+  fs::path above = program_folder();
+  for (int level = 0; level < 3 && !above.empty(); ++level) {
+    candidates.push_back(above / below);
+    above = above.parent_path();
+  }
+  candidates.push_back(program_folder().parent_path() / "share" / "brickbench" / below);
+  candidates.push_back(fs::path(BRICKBENCH_SOURCE_DIR) / below);
+  return existing(candidates);
+}
+
+std::vector<fs::path> plan_folders() {
+  const fs::path plans = fs::path("experiments") / "plans";
+  std::vector<fs::path> candidates = {plans};
+  for (const fs::path& folder : data_folders(plans)) candidates.push_back(folder);
+  return existing(candidates);
 }
 
 Checked<fs::path> find_plan(const std::string& name) {

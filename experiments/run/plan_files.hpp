@@ -8,6 +8,10 @@
 
 namespace brickbench {
 
+// The folders `below` beside and above the program, where an installed program has them, and in the
+// source tree that it was built from, in this order; those that exist.
+std::vector<std::filesystem::path> data_folders(const std::filesystem::path& below);
+
 // The folders that hold plans, in order of search: experiments/plans below the current folder,
 // beside and above the program, where an installed program has them, and in the source tree that it
 // was built from; those that exist.

@@ -13,6 +13,11 @@ void check_engine(const Selector& selector, const Catalogues& catalogues, bool m
   if (std::ranges::find(catalogues.known_engines, selector.engine) !=
       catalogues.known_engines.end()) {
     if (!must_be_linked) return;
+    if (const auto why = catalogues.why_absent.find(selector.engine);
+        why != catalogues.why_absent.end()) {
+      reject(selector.at,
+             fmt::format("engine '{}' does not run: {}", selector.engine, why->second));
+    }
     reject(selector.at, fmt::format("engine '{}' is not linked in this build; linked: {}",
                                     selector.engine, fmt::join(known, ", ")));
   }

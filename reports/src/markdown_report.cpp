@@ -219,6 +219,9 @@ std::string reproduce_command(const Row& row, const Provenance& provenance) {
                                     row.experiment,
                                     "--engine",
                                     row.engine + '/' + row.variant};
+  for (const std::string& file : provenance.engine_files) {
+    words.insert(words.end(), {"--engine-file", file});
+  }
   for (const std::string& setting : provenance.set) {
     words.insert(words.end(), {"--set", setting});
   }

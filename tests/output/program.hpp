@@ -31,6 +31,8 @@ class Program : public ::testing::Test {
     folder_ = fs::temp_directory_path() / ("brickbench_cli." + std::to_string(::getpid()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
+    // Engines of whoever runs the tests are not part of them.
+    ::setenv("XDG_CONFIG_HOME", (folder_ / "config").c_str(), 1);
   }
   void TearDown() override {
     std::error_code error;
