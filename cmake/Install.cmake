@@ -5,6 +5,8 @@ set(brickbench_data ${CMAKE_INSTALL_DATADIR}/brickbench)
 install(TARGETS brickbench RUNTIME COMPONENT brickbench)
 install(DIRECTORY experiments/plans experiments/scenes DESTINATION ${brickbench_data}/experiments
         COMPONENT brickbench FILES_MATCHING PATTERN "*.toml")
+install(DIRECTORY adapters/engines adapters/starter DESTINATION ${brickbench_data}/adapters
+        COMPONENT brickbench)
 install(DIRECTORY reference_data/baseline DESTINATION ${brickbench_data}/reference_data
         COMPONENT brickbench)
 install(FILES README.md LICENSE CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR}

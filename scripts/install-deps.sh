@@ -47,6 +47,7 @@ engines|libopengl-dev|OpenGL, looked for by MuJoCo's CMake package|GL/gl.h
 engines|libgl-dev|OpenGL, looked for by MuJoCo's CMake package|GL/gl.h
 tests|libgtest-dev|GoogleTest|gtest/gtest.h
 tests|libfcl-dev|FCL: a second opinion on penetration depths|fcl/fcl.h
+tests|python3|an engine in another language, as users write them|python3
 tests|clang-format|the format test|clang-format
 tests|ccache|compiles nothing twice, also in the copies that the recipes build|ccache
 reports|nodejs|bundles the script of the report page|node

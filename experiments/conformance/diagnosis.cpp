@@ -35,6 +35,8 @@ Symptoms diagnose(const Subject& subject) {
     } catch (const std::exception& error) {
       all.push_back(fmt::format("an exception left the engine: {}", error.what()));
     }
+    // What moves or is read wrongly in free flight spoils every reading after it.
+    if (kind == motion_symptoms && !all.empty()) break;
   }
   return all;
 }

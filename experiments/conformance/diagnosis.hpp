@@ -13,8 +13,9 @@ namespace brickbench::conformance {
 // "angular velocities look body-framed; asked is the world frame".
 using Symptoms = std::vector<std::string>;
 
-// Of all kinds below; none of a right engine. An engine that refuses a probe is not asked further
-// in its kind, and one that throws or fails in a step says so.
+// Of all kinds below, in this order, and of none after symptoms of motion; none of a right engine.
+// An engine that refuses a probe is not asked further in its kind, and one that throws or fails in
+// a step says so.
 Symptoms diagnose(const Subject& subject);
 
 Symptoms motion_symptoms(const Subject& subject);   // frames, order, step, gravity
