@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "experiments/run/catalogues.hpp"
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 
 namespace brickbench {
 

@@ -12,7 +12,7 @@
 #include "cli/verbs.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/record/provenance.hpp"
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 #include "reports/src/paper_figure.hpp"
 
 namespace brickbench {

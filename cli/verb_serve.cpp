@@ -8,7 +8,7 @@
 #include "cli/build_facts.hpp"
 #include "cli/complain.hpp"
 #include "cli/verbs.hpp"
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 
 namespace brickbench {
 namespace {

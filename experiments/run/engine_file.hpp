@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "experiments/run/input.hpp"
+#include "experiments/input/input.hpp"
 
 namespace brickbench {
 
