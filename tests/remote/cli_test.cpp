@@ -2,13 +2,16 @@
 #include "experiments/run/results.hpp"
 #include "reports/src/markdown_report.hpp"
 #include "tests/output/program.hpp"
+#include "tests/output/results_reader.hpp"
 
 namespace brickbench {
 namespace {
 
 using nlohmann::json;
+namespace fs = std::filesystem;
 using testing::Answer;
 using testing::Program;
+using testing::read_results;
 
 constexpr const char* k_flight_plan = R"(
 title = "Flight"
