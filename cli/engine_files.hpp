@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/run/catalogues.hpp"
 #include "experiments/input/input.hpp"
+#include "experiments/run/catalogues.hpp"
 
 namespace brickbench {
 

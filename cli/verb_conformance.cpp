@@ -90,7 +90,8 @@ int conform(const ConformanceOptions& options) {
   auto records = Json::array();
   bool all_conform = true;
   for (const EngineVariant& engine : engines) {
-    records.push_back(conformance_json(*find_adapter(*catalogues, engine.engine), engine, progress));
+    records.push_back(
+        conformance_json(*find_adapter(*catalogues, engine.engine), engine, progress));
     all_conform = all_conform && records.back()["conforms"].get<bool>();
     if (!options.json) print_conformance(records.back());
   }

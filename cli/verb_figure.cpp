@@ -10,9 +10,9 @@
 #include "cli/number_option.hpp"
 #include "cli/report_output.hpp"
 #include "cli/verbs.hpp"
+#include "experiments/input/input.hpp"
 #include "experiments/record/file.hpp"
 #include "experiments/record/provenance.hpp"
-#include "experiments/input/input.hpp"
 #include "reports/src/paper_figure.hpp"
 
 namespace brickbench {
