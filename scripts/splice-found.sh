@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # splice-found.sh [BRICKBENCH]: hunts every engine that is not ours with a fixed seed, for TRIALS trials (4000), keeps
 # the plans of the findings in reference_data/found, and puts their table between the markers of docs/found.md.
+# HUNT names a folder with an earlier part of the same hunt, which is gone on with.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -23,7 +24,12 @@ for engine in bullet ode mujoco; do
 done
 if [ ${#choice[@]} -eq 0 ]; then die "no engine of others is linked"; fi
 code=0
-"$program" hunt "${choice[@]}" --seed $seed --trials "$trials" --budget 24h --out "$scratch/hunt" >"$scratch/text" || code=$?
+again=()
+if [ -n "${HUNT:-}" ]; then
+  cp -r "$HUNT" "$scratch/hunt"
+  again=(--resume)
+fi
+"$program" hunt "${choice[@]}" --seed $seed --trials "$trials" --budget 24h "${again[@]}" --out "$scratch/hunt" >"$scratch/text" || code=$?
 if [ $code -gt 1 ]; then die "the hunt did not run"; fi
 mkdir -p $kept
 rm -f $kept/*.toml
