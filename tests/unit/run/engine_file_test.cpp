@@ -33,7 +33,7 @@ EMPTY = ""
   EXPECT_EQ(file->name, "my_engine_2");
   EXPECT_EQ(file->command, (std::vector<std::string>{"node", "engine.mjs", "--fast"}));
   EXPECT_EQ(file->working_folder, "/engines/js");
-  EXPECT_EQ(file->environment, (std::vector<std::string>{"EMPTY=", "THREADS=1"}));
+  EXPECT_EQ(file->environment, (std::vector<std::string>{"THREADS=1", "EMPTY="}));
   EXPECT_EQ(file->version_command, (std::vector<std::string>{"node", "--version"}));
   EXPECT_EQ(file->licence, "MIT");
   EXPECT_EQ(file->deadline_s, 2.5);
