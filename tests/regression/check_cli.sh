@@ -93,7 +93,7 @@ if [ "$(grep -c 'all-starts' said)" -eq 0 ]; then fail "a red check does not say
 cp -r restitution early
 code=0
 "$program" bless --from new --reference early --reason "too early" >said 2>&1 || code=$?
-if grep -q '"seeds":\[1,2,3,4,5,6,7,8\]' new/*/drop.json && [ $code -ne 2 ]; then fail "8 of 24 starts were blessed"; fi
+if grep -q '"outcome":"ok","seeds":\[1,2,3,4,5,6,7,8\]' new/*/drop.json && [ $code -ne 2 ]; then fail "8 of 24 starts were blessed"; fi
 
 plan 0.3 0.4 >gate_small.toml
 cp -r reference damaged && sed -i '2s/"kind":/"sort":/' damaged/*/drop.json
