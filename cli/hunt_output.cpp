@@ -27,7 +27,7 @@ Table findings_table(const std::vector<hunt::Finding>& findings, std::size_t mos
   for (const hunt::Finding& finding : findings) {
     if (table.rows.size() == most) break;
     const hunt::Breach& breach = finding.breach();
-    table.rows.push_back({{finding.id},
+    table.rows.push_back({{finding.id + (finding.question.empty() ? "" : " (known)")},
                           {fmt::format("{:.3g}", breach.observed)},
                           {fmt::format("{:.3g}", breach.allowed)},
                           {breach.unit},
@@ -59,9 +59,9 @@ std::string findings_page(const hunt::Quarry& quarry, const hunt::Record& record
     const hunt::Trial& trial = finding.shrunk.trial;
     text += fmt::format(
         "| `{}` | {} | {:.3g}{} | {:.3g} | {} | {}; {} steps of {:.4g} s | [plan]({}/{}.toml) |\n",
-        trial.engine.label(), finding.oracle, breach.observed, unit_suffix(breach.unit),
-        breach.allowed, finding.seen, markdown_cell(trial_sketch(trial)), trial.steps, trial.step_s,
-        link, finding.id);
+        trial.engine.label(), finding.oracle + (finding.question.empty() ? "" : " (known)"),
+        breach.observed, unit_suffix(breach.unit), breach.allowed, finding.seen,
+        markdown_cell(trial_sketch(trial)), trial.steps, trial.step_s, link, finding.id);
   }
   return text;
 }

@@ -3,28 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <optional>
 
-#include "experiments/record/schema.hpp"
+#include "experiments/input/input.hpp"
 
 namespace brickbench {
-namespace {
-
-std::optional<double> number_in(std::string_view text) {
-  const auto slash = text.find('/');
-  const auto top = parse_number(text.substr(0, slash));
-  if (slash == std::string_view::npos) return top ? std::optional(*top) : std::nullopt;
-  const auto bottom = parse_number(text.substr(slash + 1));
-  if (!top || !bottom || *bottom == 0.0) return std::nullopt;
-  return *top / *bottom;
-}
-
-}  // namespace
-
 CLI::Option* add_number(CLI::App& verb, const std::string& name, double& value,
                         const std::string& meaning, Sign sign) {
   const auto read = [&value, name, sign](const std::string& text) {
-    const auto number = number_in(text);
+    const auto number = number_or_quotient(text);
     const bool fits = number && std::isfinite(*number) &&
                       (sign == Sign::positive ? *number > 0.0 : *number >= 0.0);
     if (!fits) {

@@ -10,6 +10,7 @@
 #include "cli/complain.hpp"
 #include "cli/engine_files.hpp"
 #include "cli/hunt_output.hpp"
+#include "cli/known_questions.hpp"
 #include "cli/terminal.hpp"
 #include "cli/verbs.hpp"
 #include "experiments/exact/validation/validate.hpp"
@@ -106,8 +107,10 @@ void print_text(const std::filesystem::path& folder, const hunt::Record& record,
              to_terminal(findings_table(findings, k_findings_shown), standard_output_style()));
   if (findings.size() > k_findings_shown)
     fmt::print("and {} more\n", findings.size() - k_findings_shown);
-  fmt::print("{} findings; each has a plan in {}, for example:\n  brickbench hunt --replay {}\n",
-             findings.size(), folder.string(), (folder / (findings.front().id + ".toml")).string());
+  const std::size_t known = findings.size() - hunt::new_findings(findings);
+  fmt::print("{} findings{}; each has a plan in {}, for example:\n  brickbench hunt --replay {}\n",
+             findings.size(), known == 0 ? "" : fmt::format(", {} of them known", known),
+             folder.string(), (folder / (findings.front().id + ".toml")).string());
 }
 
 int hunt_anew(const HuntChoice& choice, const Catalogues& catalogues, double budget_s) {
@@ -131,7 +134,9 @@ int hunt_anew(const HuntChoice& choice, const Catalogues& catalogues, double bud
       !ok) {
     return complain(ok.error());
   }
-  const auto findings = hunt::findings(record, catalogues);
+  const auto questions = known_questions();
+  if (!questions) return complain(questions.error());
+  const auto findings = hunt::findings(record, catalogues, *questions);
   const std::string origin = fmt::format("Found by brickbench hunt --seed {}.", quarry.seed);
   if (auto ok = hunt::write_plans(folder, findings, origin); !ok) return complain(ok.error());
   const std::string json = hunt::summary_json(quarry, record, findings);
@@ -148,7 +153,7 @@ int hunt_anew(const HuntChoice& choice, const Catalogues& catalogues, double bud
   } else {
     print_text(folder, record, findings);
   }
-  return findings.empty() ? k_exit_fine : k_exit_failed_case;
+  return hunt::new_findings(findings) == 0 ? k_exit_fine : k_exit_failed_case;
 }
 
 Checked<std::vector<hunt::Trial>> trials_in(const std::string& text, const std::string& file,

@@ -7,6 +7,7 @@
 #include "cli/complain.hpp"
 #include "cli/engine_files.hpp"
 #include "cli/json_number.hpp"
+#include "cli/known_questions.hpp"
 #include "cli/report_output.hpp"
 #include "cli/validate_cases.hpp"
 #include "cli/validate_scenes.hpp"
@@ -23,8 +24,6 @@ namespace brickbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* k_questions = "reference_data/predictions/open_questions.csv";
 
 struct ValidateOptions {
   std::vector<std::string> engines = {"all"};
@@ -191,20 +190,8 @@ Expected<void> check_company(const ValidateOptions& options, std::size_t cases) 
   return check_is_new(options.out);
 }
 
-// Questions of the file asked for, or of the tree that the plans come from.
-Expected<std::vector<exact::OpenQuestion>> questions_of(const std::string& asked) {
-  if (!asked.empty()) return exact::read_open_questions(asked);
-  for (const std::filesystem::path& plans : plan_folders()) {
-    const auto file = plans.parent_path().parent_path() / k_questions;
-    std::error_code error;
-    if (std::filesystem::is_regular_file(file, error)) return exact::read_open_questions(file);
-  }
-  fmt::print(stderr, "brickbench: no {}: every failure counts as new\n", k_questions);
-  return std::vector<exact::OpenQuestion>{};
-}
-
 int run_cases(const ValidateOptions& options, CasesAsked asked, const Catalogues& catalogues) {
-  auto questions = questions_of(options.questions);
+  auto questions = known_questions(options.questions);
   if (!questions) return complain(questions.error());
   asked.questions = std::move(*questions);
   asked.json = options.json;

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "experiments/exact/validation/validate.hpp"
 #include "experiments/hunt/cause.hpp"
 #include "experiments/hunt/codec.hpp"
 #include "experiments/hunt/plan_text.hpp"
@@ -22,9 +23,26 @@ void number_the_names(std::vector<Finding>& list) {
   }
 }
 
+// Open questions are about engines as they are, with no knob turned.
+std::string question_that_knows(const Trial& trial,
+                                const std::vector<exact::OpenQuestion>& questions) {
+  if (trial.source != Source::exact_case || !trial.knobs.empty()) return "";
+  const auto cases = exact::select_cases(exact::exact_cases(), trial.scene);
+  if (cases.empty()) return "";
+  const auto values = exact::complete(cases.front(), trial.parameters);
+  if (!values) return "";
+  exact::CellResult cell;
+  cell.engine = trial.engine.engine;
+  cell.variant = trial.engine.variant;
+  cell.case_id = cases.front().id;
+  const auto* question = exact::question_of(questions, cell, cases.front(), *values);
+  return question == nullptr ? "" : question->question;
+}
+
 }  // namespace
 
-std::vector<Finding> findings(const Record& record, const Catalogues& catalogues) {
+std::vector<Finding> findings(const Record& record, const Catalogues& catalogues,
+                              const std::vector<exact::OpenQuestion>& questions) {
   std::map<std::string, Finding> by_cause;
   for (const auto& [place, shrunk] : record.shrunk()) {
     const Find& find = record.finds()[place];
@@ -41,6 +59,7 @@ std::vector<Finding> findings(const Record& record, const Catalogues& catalogues
     finding.shrunk = shrunk;
     finding.trial = find.number;
     finding.seen = record.seen().at(kind_key(find.oracle, shrunk.trial));
+    finding.question = question_that_knows(shrunk.trial, questions);
   }
   std::vector<Finding> list;
   for (auto& [key, finding] : by_cause) list.push_back(std::move(finding));
@@ -50,6 +69,11 @@ std::vector<Finding> findings(const Record& record, const Catalogues& catalogues
   });
   number_the_names(list);
   return list;
+}
+
+std::size_t new_findings(const std::vector<Finding>& findings) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(findings, [](const Finding& f) { return f.question.empty(); }));
 }
 
 Expected<void> write_plans(const std::filesystem::path& folder, const std::vector<Finding>& list,
@@ -77,7 +101,8 @@ std::string summary_json(const Quarry& quarry, const Record& record,
                      {"breach", to_json(finding.breach())},
                      {"trial", to_json(finding.shrunk.trial)},
                      {"found_in_trial", finding.trial},
-                     {"seen", finding.seen}});
+                     {"seen", finding.seen},
+                     {"question", finding.question}});
   }
   const Json json = {{"seed", quarry.seed},
                      {"trials", record.judged()},
@@ -85,7 +110,7 @@ std::string summary_json(const Quarry& quarry, const Record& record,
                      {"findings", items},
                      {"seen", record.seen()},
                      {"told", record.told()},
-                     {"exit_code", list.empty() ? 0 : 1}};
+                     {"exit_code", new_findings(list) == 0 ? 0 : 1}};
   return json.dump(2);
 }
 

@@ -81,7 +81,7 @@ double first_order_nms(const World& world, const gate::StepRecord& record) {
 
 // N m s: velocities are rounded, at the arms of their bodies about the common centre.
 double rounding_nms(const Motion& motion, const gate::StepRecord& record,
-                    const Eigen::Vector3d& centre_m) {
+                    const Eigen::Vector3d& centre_m, double unseen_mps) {
   const World& world = motion.scene.world;
   double sum_nms = 0.0, unseen_nms = 0.0;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
@@ -90,7 +90,7 @@ double rounding_nms(const Motion& motion, const gate::StepRecord& record,
     sum_nms += world.bodies[i].mass_kg * arm_m *
                (fastest_point_mps(world.bodies[i], record.before[i]) +
                 fastest_point_mps(world.bodies[i], record.after[i]));
-    unseen_nms += world.bodies[i].mass_kg * arm_m * rounding_speed_mps(motion);
+    unseen_nms += world.bodies[i].mass_kg * arm_m * unseen_mps;
   }
   return (motion.single ? k_single_rounding : k_rounding) * sum_nms + unseen_nms;
 }
@@ -104,7 +104,8 @@ std::optional<Breach> momentum_breach(const Motion& motion) {
   Eigen::Vector3d given_ns = Eigen::Vector3d::Zero();
   double size_ns = 0.0;
   double unseen_ns = 0.0;
-  for (const Body& body : world.bodies) unseen_ns += body.mass_kg * rounding_speed_mps(motion);
+  const double unseen_mps = rounding_speed_mps(motion);
+  for (const Body& body : world.bodies) unseen_ns += body.mass_kg * unseen_mps;
   Worst worst;
   for (std::size_t n = 0; n < motion.steps(); ++n) {
     double now_ns = 0.0;
@@ -133,6 +134,7 @@ std::optional<Breach> spin_breach(const Motion& motion) {
   Eigen::Vector3d given_nms = Eigen::Vector3d::Zero();
   double given_size_nms = 0.0;
   double slack_nms = 0.0;
+  const double unseen_mps = rounding_speed_mps(motion);
   Worst worst;
   for (std::size_t n = 0; n < motion.steps(); ++n) {
     const gate::StepRecord record = motion.record(n);
@@ -145,7 +147,8 @@ std::optional<Breach> spin_breach(const Motion& motion) {
       given_nms += moment_nms;
       given_size_nms += moment_nms.norm();
     }
-    slack_nms += first_order_nms(world, record) + rounding_nms(motion, record, now.centre_m);
+    slack_nms +=
+        first_order_nms(world, record) + rounding_nms(motion, record, now.centre_m, unseen_mps);
     const double error_nms = (now.about_centre_nms - start.about_centre_nms - given_nms).norm();
     const double allowed_nms =
         share_of(motion) * (now.size_nms + start.size_nms + given_size_nms) + slack_nms;

@@ -144,18 +144,24 @@ const InputValue& expect(const InputValue& value, std::string_view name, ValueKi
   return value;
 }
 
+std::optional<double> number_or_quotient(std::string_view text) {
+  const auto slash = text.find('/');
+  const auto top = parse_number(text.substr(0, slash));
+  if (slash == std::string_view::npos) return top ? std::optional(*top) : std::nullopt;
+  const auto bottom = parse_number(text.substr(slash + 1));
+  if (!top || !bottom || *bottom == 0.0) return std::nullopt;
+  return *top / *bottom;
+}
+
 double finite_number(const InputValue& value, std::string_view name) {
   double number = value.number;
   if (value.kind == ValueKind::text) {
-    const std::string_view text = value.text;
-    const auto slash = text.find('/');
-    const auto top = parse_number(text.substr(0, slash));
-    const auto bottom = parse_number(slash == text.npos ? "1" : text.substr(slash + 1));
-    if (slash == text.npos || !top || !bottom || *bottom == 0.0) {
+    const auto quotient = number_or_quotient(value.text);
+    if (!quotient || value.text.find('/') == std::string::npos) {
       reject(value.at, fmt::format("{} must be a number or a fraction like \"1/240\", not \"{}\"",
-                                   name, text));
+                                   name, value.text));
     }
-    number = *top / *bottom;
+    number = *quotient;
   } else if (value.kind != ValueKind::number && value.kind != ValueKind::integer) {
     reject(value.at, fmt::format("{} must be a number, not {}", name, kind_name(value.kind)));
   }

@@ -2,6 +2,7 @@
 // each complaint can point at what it speaks of.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -72,6 +73,8 @@ void reject_unknown(const InputValue& table, std::string_view what,
 std::string known_names(std::string_view name, const std::vector<std::string>& known);
 
 const InputValue& expect(const InputValue& value, std::string_view name, ValueKind kind);
+// What "0.004" or "1/240" says; nullopt for anything else, and where the divisor is 0.
+std::optional<double> number_or_quotient(std::string_view text);
 // A finite number; a string "1/240" counts as the quotient.
 double finite_number(const InputValue& value, std::string_view name);
 double positive_number(const InputValue& value, std::string_view name);

@@ -102,6 +102,29 @@ TEST_F(Hunted, CallsAnEngineThatDiesAFindingAndOneThatFailsTold) {
   EXPECT_EQ(record.outcomes().at("refused"), 2u);
 }
 
+// Of an exact case with no knob turned; any other is new.
+TEST_F(Hunted, KnowsAFindingByItsOpenQuestion) {
+  Trial trial;
+  trial.source = Source::exact_case;
+  trial.scene = "tipping.overhang";
+  trial.engine = {"good", "plain"};
+  const Verdict verdict = {"ok", "", {{"scheme", 1e-3, 1e-6, "1", 0, 0.0, ""}}};
+  const auto found = [&](const Trial& of, const std::string& case_id) {
+    Record record;
+    record.add(record.add(0, of, verdict).at(0), {of, verdict});
+    return findings(record, catalogues_,
+                    {{"good", "plain", case_id, {.at_defaults = false}, "", "", "why"}});
+  };
+  const auto known = found(trial, trial.scene);
+  ASSERT_EQ(known.size(), 1U);
+  EXPECT_EQ(known.front().question, "why");
+  EXPECT_EQ(new_findings(known), 0U);
+  EXPECT_EQ(new_findings(found(trial, "tipping.rocking")), 1U);
+  Trial turned = trial;
+  turned.knobs["iterations"] = 1.0;
+  EXPECT_EQ(new_findings(found(turned, trial.scene)), 1U);
+}
+
 TEST_F(Hunted, WritesPlansThatShowTheFindingAgain) {
   const Record record = hunt(quarry_, 12, 2, "plans");
   const auto list = findings(record, catalogues_);
