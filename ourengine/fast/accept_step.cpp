@@ -228,20 +228,23 @@ bool FastDynamics::throws(const Slot& slot) const {
 // at its ends, m; 0 if nowhere.
 double FastDynamics::passage_of_m(const SoftManifold& manifold) const {
   const auto a = at(manifold.body_a), b = at(manifold.body_b);
-  const auto way = [&](std::size_t i) -> Way {
+  const double thinner_m =
+      std::min(thickness_m(bodies_[a].geometry), thickness_m(bodies_[b].geometry));
+  if (poses_[a].reach_m + poses_[b].reach_m < thinner_m) return 0.0;
+  const auto way_of = [&](std::size_t i) -> Way {
     if (bodies_[i].fixed) return {motions_[i], motions_[i]};
     const Eigen::AngleAxisd turn(ends_[i].attitude * motions_[i].attitude.conjugate());
     return {motions_[i], ends_[i], turn.angle() * turn.axis()};
   };
-  const Way way_a = way(a), way_b = way(b);
+  const Way way_a = way_of(a), way_b = way_of(b);
   const double shift_m = (way_a.end.position_m - way_a.start.position_m - way_b.end.position_m +
                           way_b.start.position_m)
                              .norm();
-  const double reach_m =
-      shift_m + way_a.turn_rad.norm() * radius_m_[a] + way_b.turn_rad.norm() * radius_m_[b];
-  if (reach_m < std::min(thickness_m(bodies_[a].geometry), thickness_m(bodies_[b].geometry))) {
-    return 0.0;
-  }
+  // A plane has no end, but does not turn.
+  const auto turned_m = [&](std::size_t i, const Way& way) {
+    return bodies_[i].fixed ? 0.0 : way.turn_rad.norm() * radius_m_[i];
+  };
+  if (shift_m + turned_m(a, way_a) + turned_m(b, way_b) < thinner_m) return 0.0;
   return ourengine::passage_m(bodies_[a], way_a, bodies_[b], way_b);
 }
 
