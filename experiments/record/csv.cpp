@@ -11,35 +11,6 @@
 namespace brickbench {
 namespace {
 
-std::string escaped(std::string_view field) {
-  std::string text;
-  bool quote = false;
-  for (const char c : field) {
-    switch (c) {
-      case '\n':
-        text += "\\n";
-        break;
-      case '\r':
-        text += "\\r";
-        break;
-      case '\\':
-        text += "\\\\";
-        break;
-      case '"':
-        text += "\"\"";
-        quote = true;
-        break;
-      case ',':
-        text += ',';
-        quote = true;
-        break;
-      default:
-        text += c;
-    }
-  }
-  return quote ? '"' + text + '"' : text;
-}
-
 Expected<std::string> unescaped(std::string_view field) {
   std::string text;
   for (std::size_t i = 0; i < field.size(); ++i) {
@@ -86,6 +57,35 @@ Expected<Record> to_record(const Columns& columns, const Fields& fields) {
 
 }  // namespace
 
+std::string csv_field(std::string_view text) {
+  std::string out;
+  bool quote = false;
+  for (const char c : text) {
+    switch (c) {
+      case '\n':
+        out += "\\n";
+        break;
+      case '\r':
+        out += "\\r";
+        break;
+      case '\\':
+        out += "\\\\";
+        break;
+      case '"':
+        out += "\"\"";
+        quote = true;
+        break;
+      case ',':
+        out += ',';
+        quote = true;
+        break;
+      default:
+        out += c;
+    }
+  }
+  return quote ? '"' + out + '"' : out;
+}
+
 template <typename Record>
 std::string to_csv(std::span<const Record> records) {
   const auto columns = Schema<Record>::columns();
@@ -99,7 +99,7 @@ std::string to_csv(std::span<const Record> records) {
     bool first = true;
     for (const auto& column : columns) {
       if (!first) text += ',';
-      text += escaped(column.text(record));
+      text += csv_field(column.text(record));
       first = false;
     }
     text += '\n';

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "experiments/record/csv_text.hpp"
 #include "experiments/record/schema.hpp"
 
 namespace brickbench {
@@ -102,27 +103,9 @@ std::string number_text(const CellLine& line, const std::string& name) {
   return found == line.numbers.end() ? "" : shortest(found->second);
 }
 
-std::string field(const std::string& text) {
-  std::string out;
-  bool quote = false;
-  for (const char c : text) {
-    quote = quote || c == ',' || c == '"';
-    if (c == '\n') {
-      out += "\\n";
-    } else if (c == '\r') {
-      out += "\\r";
-    } else if (c == '\\') {
-      out += "\\\\";
-    } else {
-      out += c == '"' ? "\"\"" : std::string(1, c);
-    }
-  }
-  return quote ? '"' + out + '"' : out;
-}
-
 std::string csv_line(const std::vector<std::string>& row) {
   std::string line;
-  for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + field(row[i]);
+  for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + csv_field(row[i]);
   return line + '\n';
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <set>
 
+#include "experiments/record/csv_text.hpp"
 #include "experiments/record/schema.hpp"
 #include "reports/src/palette.hpp"
 #include "reports/src/paper_figure.hpp"
@@ -35,12 +36,6 @@ std::string paper_text(const std::string& text) {
     }
   }
   return out + "'";
-}
-
-std::string csv_word(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + '"';
 }
 
 std::string block_name(std::size_t panel, std::size_t curve, const char* what) {
@@ -156,8 +151,8 @@ std::string to_csv(const PaperFigure& figure) {
         const std::string x =
             figure.categories.empty()
                 ? shortest(point.x)
-                : csv_word(figure.categories[static_cast<std::size_t>(point.x) - 1]);
-        out += fmt::format("{},{},{},{},{},{},{}\n", csv_word(panel.facet), csv_word(curve.group),
+                : csv_field(figure.categories[static_cast<std::size_t>(point.x) - 1]);
+        out += fmt::format("{},{},{},{},{},{},{}\n", csv_field(panel.facet), csv_field(curve.group),
                            x, shortest(point.mean), shortest(point.low), shortest(point.high),
                            point.runs.size());
       }
