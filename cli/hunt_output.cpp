@@ -27,11 +27,12 @@ Table findings_table(const std::vector<hunt::Finding>& findings, std::size_t mos
   for (const hunt::Finding& finding : findings) {
     if (table.rows.size() == most) break;
     const hunt::Breach& breach = finding.breach();
-    table.rows.push_back({{finding.id + (finding.question.empty() ? "" : " (known)")},
+    const char* known = finding.question.empty() ? "" : " known";
+    table.rows.push_back({{finding.id},
                           {fmt::format("{:.3g}", breach.observed)},
                           {fmt::format("{:.3g}", breach.allowed)},
                           {breach.unit},
-                          {fmt::format("{}", finding.seen)},
+                          {fmt::format("{}{}", finding.seen, known)},
                           {finding.needed}});
   }
   return table;

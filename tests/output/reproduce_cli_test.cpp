@@ -1,5 +1,6 @@
 // A printed command reproduces what it stands beside: of check, of a report, of a hunt. (Of
 // validate: validate_cli_test.cpp.)
+#include <algorithm>
 #include <regex>
 
 #include "reports/src/report_source.hpp"
@@ -136,7 +137,9 @@ TEST_F(Reproduce, EachFindingOfAHuntIsShownAgainByItsCommand) {
         ask("run " + plan + " --out " + path("run-" + finding["id"].get<std::string>()));
     EXPECT_TRUE(run.code == 0 || run.code == 1) << plan << run.err;
   }
-  EXPECT_EQ(findings.empty(), hunt.code == 0);
+  const bool all_known =
+      std::ranges::all_of(findings, [](const auto& finding) { return finding["question"] != ""; });
+  EXPECT_EQ(all_known, hunt.code == 0);
 }
 
 }  // namespace
